@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include <evermap/geometry/pose.hpp>
+
+namespace evermap {
+
+/// One row of a trajectory file.
+struct StampedPose {
+  std::optional<double> time;  ///< [s] none in a KITTI file, which has no times
+  Pose T_map_sensor;
+};
+
+/// Reads TUM (`t x y z qx qy qz qw`) or KITTI (12 numbers, row-major 3x4) poses; the number of columns tells
+/// which. Blank lines and lines that begin with `#` are skipped. Quaternions are normalized. Throws IoError
+/// naming the line for: another number of columns, something that is no finite number, a quaternion of norm 0
+/// (or further than 1e-2 from 1), a matrix that is no rotation (tolerance 1e-3), time not strictly increasing.
+std::vector<StampedPose> read_poses(const std::filesystem::path& path);
+
+}  // namespace evermap
