@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <evermap/geometry/pose.hpp>
-
 #include <cmath>
 
 #include <Eigen/SVD>
+
+#include <evermap/geometry/pose.hpp>
 
 namespace evermap {
 namespace {
@@ -50,8 +50,8 @@ Twist log(const Pose& pose) {
   const Eigen::Vector3d phi = angle * angle_axis.axis();
   const Eigen::Matrix3d K = skew(phi);
   const double a2 = angle * angle;
-  const double D = angle < 1e-4 ? 1.0 / 12 + a2 / 720
-                                : (1 - 0.5 * angle * std::sin(angle) / (1 - std::cos(angle))) / a2;
+  const double D =
+      angle < 1e-4 ? 1.0 / 12 + a2 / 720 : (1 - 0.5 * angle * std::sin(angle) / (1 - std::cos(angle))) / a2;
   Twist twist;
   twist << (Eigen::Matrix3d::Identity() - 0.5 * K + D * K * K) * pose.translation, phi;
   return twist;

@@ -9,8 +9,8 @@ namespace evermap {
 
 /// Rigid transform T_a_b: maps coordinates of frame b to frame a, `p_a = T_a_b * p_b`.
 ///
-/// Class invariant: `rotation` is orthonormal with determinant +1 (`is_rotation`); the io layer checks it where
-/// poses enter the program.
+/// Class invariant: `rotation` is orthonormal with determinant +1 (`is_rotation`); the io layer checks it
+/// where poses enter the program.
 struct Pose {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< [m]

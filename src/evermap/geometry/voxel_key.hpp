@@ -18,8 +18,8 @@ namespace evermap {
 ///          19 bits   19 bits   17 bits   3   3   3
 ///
 /// The upper 55 bits name the brick, the lower 9 the voxel in it, so that sorting keys sorts by brick and a
-/// brick's occupancy is a mask of 512 bits indexed by `in_brick()`. Coordinates reach +-2^21 voxels in x and y
-/// and +-2^19 in z from the grid's origin (at 0.1 m: 209 km and 52 km).
+/// brick's occupancy is a mask of 512 bits indexed by `in_brick()`. Coordinates reach +-2^21 voxels in x and
+/// y and +-2^19 in z from the grid's origin (at 0.1 m: 209 km and 52 km).
 class VoxelKey {
  public:
   static constexpr int kBrickBits = 3;  ///< log2 of the voxels along a brick's edge
@@ -72,8 +72,9 @@ inline std::uint64_t hash_bits(std::uint64_t x) {
 
 /// The division of the map frame into cubes. The scan filter and the map share one grid.
 ///
-/// `origin` keeps keys small for maps far from the map frame's origin (UTM coordinates, say): voxel (0,0,0) has
-/// its lower corner there. It is a whole multiple of kOriginStep voxels, so that maps of one place agree on it.
+/// `origin` keeps keys small for maps far from the map frame's origin (UTM coordinates, say): voxel (0,0,0)
+/// has its lower corner there. It is a whole multiple of kOriginStep voxels, so that maps of one place agree
+/// on it.
 struct VoxelGrid {
   static constexpr double kOriginStep = 65536;  ///< [voxels]
 
@@ -86,7 +87,8 @@ struct VoxelGrid {
     return {edge, (p_map / step).array().round().matrix() * step};
   }
 
-  /// The voxel that contains `p_map`, without regard to the range of keys. REQUIRES: the coordinates fit an int.
+  /// The voxel that contains `p_map`, without regard to the range of keys. REQUIRES: the coordinates fit an
+  /// int.
   Eigen::Vector3i voxel(const Eigen::Vector3d& p_map) const {
     return ((p_map - origin) / edge).array().floor().cast<int>();
   }

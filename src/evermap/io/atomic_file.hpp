@@ -13,8 +13,8 @@ namespace evermap {
 /// file or the whole new one.
 ///
 /// Bytes go to a temporary file in the same folder; `commit()` syncs it, renames it over `path` and syncs the
-/// folder. Without `commit()` the destructor removes the temporary file and `path` is as it was. Every failure
-/// (no such folder, read-only, device full) throws IoError naming `path`. Not thread safe.
+/// folder. Without `commit()` the destructor removes the temporary file and `path` is as it was. Every
+/// failure (no such folder, read-only, device full) throws IoError naming `path`. Not thread safe.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);

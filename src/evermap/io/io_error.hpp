@@ -11,8 +11,8 @@ namespace evermap {
 
 /// The one exception of the io layer: which file, where in it, what is wrong and what to do.
 ///
-/// `what()` is one line: `path: at byte 123: message` (or `at line 7`, or without a place when the whole file is
-/// meant).
+/// `what()` is one line: `path: at byte 123: message` (or `at line 7`, or without a place when the whole file
+/// is meant).
 class IoError : public std::runtime_error {
  public:
   enum class Unit { kNone, kByte, kLine };

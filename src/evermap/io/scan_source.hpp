@@ -12,8 +12,8 @@
 namespace evermap {
 
 /// A sequence of scans, read one at a time: a folder of .bin, .pcd or .ply files in the order of their names
-/// (one format per folder), or one such file. The constructor throws IoError when there is no scan in it or the
-/// formats are mixed; files of other kinds are ignored.
+/// (one format per folder), or one such file. The constructor throws IoError when there is no scan in it or
+/// the formats are mixed; files of other kinds are ignored.
 class ScanSource {
  public:
   explicit ScanSource(const std::filesystem::path& path);

@@ -12,9 +12,11 @@
 
 namespace evermap {
 
-/// Returns of one revolution of the LiDAR (or any point cloud: a survey's cloud is a scan with one sensor pose).
+/// Returns of one revolution of the LiDAR (or any point cloud: a survey's cloud is a scan with one sensor
+/// pose).
 ///
-/// Class invariant: every point is finite and not at the sensor's origin; readers drop the others and count them.
+/// Class invariant: every point is finite and not at the sensor's origin; readers drop the others and count
+/// them.
 struct Scan {
   std::vector<Eigen::Vector3d> p_sensor;  ///< [m] sensor frame
   std::vector<float> time_offset;         ///< [s] of each point since the scan began; empty when not recorded
