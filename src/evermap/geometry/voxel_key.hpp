@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
-#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -11,20 +9,17 @@
 
 namespace evermap {
 
-/// Names one voxel of a grid by a 64-bit integer, ordered brick by brick.
+/// Names one voxel of a grid by a 64-bit integer: the path from the root of the octree to the leaf, three
+/// levels of halving folded into each step of 9 bits.
 ///
-///   bit 63       41        19       9 8  6 5  3 2  0
-///       | brick x | brick y | brick z | z | y | x |       brick = 8 x 8 x 8 voxels
-///          19 bits   19 bits   17 bits   3   3   3
+///   bit 63                      18            9               0
+///       | block x 16, y 16, z 14 | brick z y x | voxel z y x |
+///        64 x 64 x 64 voxels      in the block   in the brick
 ///
-/// The upper 55 bits name the brick, the lower 9 the voxel in it, so that sorting keys sorts by brick and a
-/// brick's occupancy is a mask of 512 bits indexed by `in_brick()`. Coordinates reach +-2^21 voxels in x and
-/// y and +-2^19 in z from the grid's origin (at 0.1 m: 209 km and 52 km).
+/// Sorting keys therefore sorts by block, then brick. Coordinates reach +-2^21 voxels in x and y and +-2^19
+/// in z from the grid's origin (at 0.1 m: 209 km and 52 km).
 class VoxelKey {
  public:
-  static constexpr int kBrickBits = 3;  ///< log2 of the voxels along a brick's edge
-  static constexpr int kBrickEdge = 1 << kBrickBits;
-  static constexpr int kBrickVoxels = kBrickEdge * kBrickEdge * kBrickEdge;
   static constexpr int kMaxXY = 1 << 21;
   static constexpr int kMaxZ = 1 << 19;
 
@@ -41,21 +36,24 @@ class VoxelKey {
     const auto x = static_cast<std::uint64_t>(voxel.x() + kMaxXY);
     const auto y = static_cast<std::uint64_t>(voxel.y() + kMaxXY);
     const auto z = static_cast<std::uint64_t>(voxel.z() + kMaxZ);
-    return VoxelKey((x >> 3) << 45 | (y >> 3) << 26 | (z >> 3) << 9 | (z & 7) << 6 | (y & 7) << 3 | (x & 7));
+    const auto child = [&](int level) {  // position among the 512 children of one wide node
+      return (z >> level & 7) << 6 | (y >> level & 7) << 3 | (x >> level & 7);
+    };
+    return VoxelKey((x >> 6) << 48 | (y >> 6) << 32 | (z >> 6) << 18 | child(3) << 9 | child(0));
   }
 
   Eigen::Vector3i voxel() const {
-    const auto brick_x = static_cast<int>(bits_ >> 45);
-    const auto brick_y = static_cast<int>(bits_ >> 26 & 0x7FFFF);
-    const auto brick_z = static_cast<int>(bits_ >> 9 & 0x1FFFF);
-    return {(brick_x << 3 | static_cast<int>(bits_ & 7)) - kMaxXY,
-            (brick_y << 3 | static_cast<int>(bits_ >> 3 & 7)) - kMaxXY,
-            (brick_z << 3 | static_cast<int>(bits_ >> 6 & 7)) - kMaxZ};
+    const auto axis = [&](std::uint64_t block, int shift) {
+      return static_cast<int>(block << 6 | (bits_ >> (9 + shift) & 7) << 3 | (bits_ >> shift & 7));
+    };
+    return {axis(bits_ >> 48, 0) - kMaxXY, axis(bits_ >> 32 & 0xFFFF, 3) - kMaxXY,
+            axis(bits_ >> 18 & 0x3FFF, 6) - kMaxZ};
   }
 
   std::uint64_t bits() const { return bits_; }
-  std::uint64_t brick() const { return bits_ >> 9; }
-  int in_brick() const { return static_cast<int>(bits_ & 511); }
+  std::uint64_t block() const { return bits_ >> 18; }
+  int brick_in_block() const { return static_cast<int>(bits_ >> 9 & 511); }
+  int voxel_in_brick() const { return static_cast<int>(bits_ & 511); }
 
   friend auto operator<=>(VoxelKey, VoxelKey) = default;
 
@@ -63,7 +61,7 @@ class VoxelKey {
   std::uint64_t bits_ = 0;
 };
 
-/// Finalizer of SplitMix64 (Steele et al., 2014): spreads a key over all 64 bits, for open addressing.
+/// Finalizer of SplitMix64 (Steele et al., 2014): spreads a key over all 64 bits, for hash tables.
 inline std::uint64_t hash_bits(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebU;
@@ -87,25 +85,23 @@ struct VoxelGrid {
     return {edge, (p_map / step).array().round().matrix() * step};
   }
 
-  /// The voxel that contains `p_map`, without regard to the range of keys. REQUIRES: the coordinates fit an
-  /// int.
-  Eigen::Vector3i voxel(const Eigen::Vector3d& p_map) const {
-    return ((p_map - origin) / edge).array().floor().cast<int>();
-  }
-  /// The key of the voxel that contains `p_map`; none when it is not finite or beyond the range of keys.
-  std::optional<VoxelKey> key(const Eigen::Vector3d& p_map) const {
+  /// The voxel that contains `p_map`; none when it is not finite or beyond the range of keys.
+  std::optional<Eigen::Vector3i> voxel(const Eigen::Vector3d& p_map) const {
     const Eigen::Vector3d scaled = ((p_map - origin) / edge).array().floor();
-    if (!(scaled.cwiseAbs().maxCoeff() < VoxelKey::kMaxXY)) return std::nullopt;  // NaN compares false
+    if (!(scaled.cwiseAbs().maxCoeff() <= VoxelKey::kMaxXY)) return std::nullopt;  // NaN compares false
     const Eigen::Vector3i v = scaled.cast<int>();
     if (!VoxelKey::in_range(v)) return std::nullopt;
-    return VoxelKey::from_voxel(v);
+    return v;
+  }
+  std::optional<VoxelKey> key(const Eigen::Vector3d& p_map) const {
+    const auto v = voxel(p_map);
+    if (!v) return std::nullopt;
+    return VoxelKey::from_voxel(*v);
   }
   Eigen::Vector3d center(const Eigen::Vector3i& v) const {
     return origin + edge * (v.cast<double>().array() + 0.5).matrix();
   }
   Eigen::Vector3d center(VoxelKey key) const { return center(key.voxel()); }
-
-  friend bool operator==(const VoxelGrid&, const VoxelGrid&) = default;
 };
 
 }  // namespace evermap

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <evermap/geometry/voxel_key.hpp>
+#include <evermap/map/leaf.hpp>
+#include <evermap/map/wide_node.hpp>
+
+namespace evermap {
+
+/// Sparse voxel octree of surface leaves; empty space takes no memory.
+///
+///   hash table        block                        brick                       leaf
+///   block key  ---->  64 x 64 x 64 voxels   ---->  8 x 8 x 8 voxels   ---->    one voxel
+///                     512-bit mask of bricks       512-bit mask of leaves      Gaussian, log-odds
+///
+/// Each wide node is three levels of halving folded into one, so a ray learns from one bit that 8 x 8 x 8
+/// voxels hold nothing. Const members may be called from several threads at once; the others need exclusive
+/// access.
+class Octree {
+ public:
+  using Brick = WideNode<Leaf>;
+  using Block = WideNode<Brick>;
+
+  explicit Octree(const VoxelGrid& grid) : grid_(grid) {}
+
+  const VoxelGrid& grid() const { return grid_; }
+  std::size_t leaf_count() const { return leaf_count_; }
+  bool empty() const { return leaf_count_ == 0; }
+
+  const Block* find_block(std::uint64_t block_key) const {
+    const auto found = blocks_.find(block_key);
+    return found == blocks_.end() ? nullptr : &found->second;
+  }
+  const Leaf* find(VoxelKey key) const {
+    const Block* block = find_block(key.block());
+    const Brick* brick = block ? block->find(key.brick_in_block()) : nullptr;
+    return brick ? brick->find(key.voxel_in_brick()) : nullptr;
+  }
+  Leaf* find(VoxelKey key) { return const_cast<Leaf*>(std::as_const(*this).find(key)); }
+
+  /// The leaf of this voxel, made when there is none. Pointers to other leaves become invalid.
+  Leaf& find_or_insert(VoxelKey key) {
+    Brick& brick = blocks_[key.block()].find_or_insert(key.brick_in_block());
+    const std::size_t before = brick.size();
+    Leaf& leaf = brick.find_or_insert(key.voxel_in_brick());
+    leaf_count_ += brick.size() - before;
+    return leaf;
+  }
+
+  /// Removes the leaf of this voxel, if any, and nodes left empty. Pointers to other leaves become invalid.
+  void erase(VoxelKey key);
+
+  /// The leaf's surface in the map frame.
+  Gaussian gaussian(VoxelKey key, const Leaf& leaf) const { return leaf.gaussian(grid_.center(key)); }
+
+  /// Calls visit(key, leaf) for every leaf in ascending order of keys.
+  template <class Visit>
+  void for_each_leaf(Visit&& visit) const {
+    for (const std::uint64_t block_key : sorted_block_keys()) {
+      find_block(block_key)->for_each([&](int brick_index, const Brick& brick) {
+        const std::uint64_t brick_bits = block_key << 18 | static_cast<std::uint64_t>(brick_index) << 9;
+        brick.for_each([&](int voxel_index, const Leaf& leaf) {
+          visit(VoxelKey(brick_bits | static_cast<std::uint64_t>(voxel_index)), leaf);
+        });
+      });
+    }
+  }
+
+  std::size_t memory_bytes() const;  ///< of nodes and leaves, with unused capacity
+
+ private:
+  struct BlockHash {
+    std::size_t operator()(std::uint64_t key) const { return hash_bits(key); }
+  };
+
+  std::vector<std::uint64_t> sorted_block_keys() const;
+
+  VoxelGrid grid_;
+  std::unordered_map<std::uint64_t, Block, BlockHash> blocks_;
+  std::size_t leaf_count_ = 0;
+};
+
+}  // namespace evermap

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <evermap/geometry/gaussian.hpp>
+#include <evermap/geometry/pose.hpp>
+#include <evermap/geometry/voxel_key.hpp>
+#include <evermap/scan/scan.hpp>
+
+namespace evermap {
+
+/// The points of one scan that fell into one voxel, as one Gaussian in the map frame.
+struct RayBundle {
+  VoxelKey key;     ///< the voxel; its grid is the map's
+  Gaussian points;  ///< N_R(mu_R, S_R), n_R; S_R is positive definite
+};
+
+/// Which returns are used, and how exact they are.
+struct LidarParameters {
+  double min_range = 0.5;     ///< [m] nearer returns are the vehicle itself
+  double max_range = 200.0;   ///< [m]
+  double range_sigma = 0.02;  ///< [m] standard deviation of a return's distance
+};
+
+/// A scan condensed into ray bundles, findable by voxel. Const members are thread safe.
+class BundleGrid {
+ public:
+  /// Class invariant: at most one bundle per voxel, in the order in which the scan first reached their
+  /// voxels.
+  const std::vector<RayBundle>& bundles() const { return bundles_; }
+  /// The bundle of this voxel, if any.
+  const RayBundle* find(VoxelKey key) const;
+
+  Eigen::Vector3d origin_map = Eigen::Vector3d::Zero();  ///< [m] o, the sensor's position
+  std::size_t dropped_near = 0;                          ///< points below min_range
+  std::size_t dropped_far = 0;                           ///< points above max_range
+  std::size_t dropped_out_of_grid = 0;                   ///< points beyond the range of keys
+
+ private:
+  friend BundleGrid condense(const Scan&, const Pose&, const VoxelGrid&, const LidarParameters&);
+  std::size_t slot(VoxelKey key) const;
+
+  std::vector<RayBundle> bundles_;
+  std::vector<std::uint32_t> slots_;  ///< open addressing: 1 + index into bundles_, 0 when free
+};
+
+/// The restricted voxel grid: all points of the scan in one voxel become one bundle.
+///
+/// The covariance is shrunk towards the sensor's noise, S = (scatter + n0 s0^2 I) / (n + n0) with n0 = 2 and
+/// s0 = max(range_sigma, 0.02 l), and its eigenvalues are floored at (s0 / 2)^2, so that bundles of one or
+/// two points and exact planes stay invertible.
+BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid& grid,
+                    const LidarParameters& lidar);
+
+/// The thickness s0 [m] that a surface has at least, for this sensor and voxel size.
+double least_thickness(const LidarParameters& lidar, const VoxelGrid& grid);
+
+}  // namespace evermap

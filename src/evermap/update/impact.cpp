@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include <evermap/update/impact.hpp>
+
+namespace evermap {
+
+double closest_resemblance(const Ray& ray, const Eigen::Matrix3d& bundle_covariance, const Gaussian& leaf) {
+  const Eigen::Matrix3d leaf_information = leaf.covariance.inverse();
+  const Eigen::Vector3d d = ray.end - ray.origin;
+  const double a = 2 * d.dot(leaf_information * d);
+  const double b =
+      (leaf_information * bundle_covariance).trace() - 2 * d.dot(leaf_information * (leaf.mean - ray.origin));
+  const double c = -3;
+  const double root = std::sqrt(b * b - 4 * a * c);
+  // Both forms are the positive root; each is free of cancellation for its sign of b.
+  const double t = b > 0 ? -2 * c / (b + root) : (root - b) / (2 * a);
+  return std::min(t, 1.0);
+}
+
+Gaussian bundle_at(double t, const Ray& ray, const Gaussian& bundle) {
+  return {ray.origin + t * (ray.end - ray.origin), t * bundle.covariance, bundle.count};
+}
+
+Eigen::Vector3d densest_overlap(const Gaussian& leaf, const Gaussian& bundle_t) {
+  const Eigen::Matrix3d both = leaf.covariance + bundle_t.covariance;
+  return leaf.mean + leaf.covariance * (both.inverse() * (bundle_t.mean - leaf.mean));
+}
+
+double equation5(const Gaussian& leaf, const Gaussian& bundle_t, ImpactRule third_case) {
+  const Eigen::Vector3d x_max = densest_overlap(leaf, bundle_t);
+  if (mahalanobis_squared(x_max, leaf) > kChiSquared95) return 0;
+  if (mahalanobis_squared(leaf.mean, bundle_t) <= kChiSquared95) return 1;
+  const double distance = (leaf.mean - x_max).norm();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(leaf.covariance, Eigen::EigenvaluesOnly);
+  const double sigma_max = std::sqrt(eigen.eigenvalues()[2]);
+  // Corrected: the printed case grows with distance, against its text and both neighbouring cases.
+  if (third_case == ImpactRule::kEquation5Printed) return std::min(1.0, distance / (2 * sigma_max));
+  return std::clamp(1 - distance / (std::sqrt(kChiSquared95) * sigma_max), 0.0, 1.0);
+}
+
+Approach closest_approach(const Ray& ray, const Gaussian& leaf) {
+  const Eigen::Vector3d u = (ray.end - ray.origin).normalized();
+  const Eigen::Matrix3d leaf_information = leaf.covariance.inverse();
+  const Eigen::Vector3d to_leaf = leaf.mean - ray.origin;
+  const Eigen::Vector3d information_u = leaf_information * u;
+  const double distance = to_leaf.dot(information_u) / u.dot(information_u);
+  const Eigen::Vector3d miss = distance * u - to_leaf;
+  return {distance, std::exp(-0.5 * miss.dot(leaf_information * miss))};
+}
+
+Plane plane_of(const Gaussian& leaf) {
+  constexpr double kFlat = 0.2;  // variance across the plane, relative to the smaller one within it
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+  eigen.computeDirect(leaf.covariance);
+  const Eigen::Vector3d& variance = eigen.eigenvalues();
+  return {eigen.eigenvectors().col(0), std::sqrt(std::max(0.0, variance[0])),
+          variance[0] < kFlat * variance[1]};
+}
+
+namespace {
+
+double default_impact(const Gaussian& leaf, const Ray& ray, double free_length,
+                      const UpdateParameters& parameters) {
+  const Approach approach = closest_approach(ray, leaf);
+  if (approach.distance > free_length || approach.likelihood < parameters.least_impact) return 0;
+  if (!parameters.surface_crossing && !parameters.incidence_weight) return approach.likelihood;
+  const Plane plane = plane_of(leaf);
+  if (!plane.flat) return approach.likelihood;
+  if (parameters.surface_crossing) {
+    const double origin_side = plane.normal.dot(ray.origin - leaf.mean);
+    const double end_side = plane.normal.dot(ray.end - leaf.mean);
+    const bool crosses = origin_side * end_side < 0 && std::abs(end_side) > 3 * plane.sigma;
+    if (!crosses) return 0;
+  }
+  if (!parameters.incidence_weight) return approach.likelihood;
+  return approach.likelihood * std::abs(plane.normal.dot((ray.end - ray.origin).normalized()));
+}
+
+}  // namespace
+
+double impact(const Gaussian& leaf, const Ray& ray, const Gaussian& bundle, double free_length,
+              const UpdateParameters& parameters) {
+  if (parameters.impact == ImpactRule::kClosestApproach) {
+    return default_impact(leaf, ray, free_length, parameters);
+  }
+  const double t = closest_resemblance(ray, bundle.covariance, leaf);
+  if (t * ray.length() > free_length) return 0;
+  return equation5(leaf, bundle_at(t, ray, bundle), parameters.impact);
+}
+
+}  // namespace evermap

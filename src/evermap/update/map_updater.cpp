@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <span>
+#include <vector>
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <evermap/update/evidence.hpp>
+#include <evermap/update/impact.hpp>
+#include <evermap/update/leaf_update.hpp>
+#include <evermap/update/map_updater.hpp>
+
+namespace evermap {
+namespace {
+
+constexpr std::size_t kGrain = 256;  ///< leaves per task: some 0.1 ms of work
+
+ScanSummary summarize(const Scan& scan, const BundleGrid& bundles) {
+  return {scan.p_sensor.size(), bundles.bundles().size(), bundles.dropped_near, bundles.dropped_far,
+          bundles.dropped_out_of_grid};
+}
+
+template <class Work>
+void for_each_index(std::size_t count, Work&& work) {
+  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, count, kGrain),
+                            [&](const auto& range) {
+                              for (std::size_t i = range.begin(); i != range.end(); ++i) work(i);
+                            });
+}
+
+/// Takes from the leaf's geometry what the contradicting rays saw to be free; occupancy decides on its life.
+void trim(Leaf& leaf, const Eigen::Vector3d& center_map, double thickness,
+          std::span<const Contradiction> contradictions, const BundleGrid& bundles, Difference difference) {
+  Gaussian surface = leaf.gaussian(center_map);
+  for (const Contradiction& c : contradictions) {
+    const Gaussian& bundle = bundles.bundles()[c.bundle].points;
+    const Ray ray{bundles.origin_map, bundle.mean};
+    if (difference == Difference::kSoft) {
+      surface = soft_difference(surface, ray, bundle, static_cast<double>(c.impact));
+    } else {
+      const double t = closest_resemblance(ray, bundle.covariance, surface);
+      surface = sigma_point_difference(surface, bundle_at(t, ray, bundle)).value_or(surface);
+    }
+    surface.covariance = floor_eigenvalues(surface.covariance, thickness * thickness / 4);
+  }
+  leaf.set_gaussian(surface, center_map);
+}
+
+/// Subtractive: every contradicted leaf has one owner; what is to go is erased afterwards, since that moves
+/// leaves.
+void contradict_leaves(Octree& octree, const BundleGrid& bundles, const Evidence& evidence,
+                       const UpdateParameters& parameters) {
+  const double thickness = least_thickness(parameters.lidar, octree.grid());
+  std::vector<char> erased(evidence.leaves.size(), 0);
+  for_each_index(evidence.leaves.size(), [&](std::size_t i) {
+    const LeafEvidence& against = evidence.leaves[i];
+    Leaf& leaf = *octree.find(against.leaf);
+    if (parameters.difference != Difference::kNone) {
+      const auto contradictions =
+          std::span(evidence.contradictions).subspan(against.begin, against.end - against.begin);
+      trim(leaf, octree.grid().center(against.leaf), thickness, contradictions, bundles,
+           parameters.difference);
+    }
+    erased[i] = against.impact > 0 && !contradict(leaf, against.impact, parameters);
+  });
+  for (std::size_t i = 0; i < erased.size(); ++i) {
+    if (erased[i]) octree.erase(evidence.leaves[i].leaf);
+  }
+}
+
+/// Additive: leaves that exist are confirmed in parallel; new ones are made one by one, since that moves
+/// leaves.
+void confirm_leaves(Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters) {
+  const auto& all = bundles.bundles();
+  std::vector<char> is_new(all.size(), 0);
+  for_each_index(all.size(), [&](std::size_t i) {
+    Leaf* leaf = octree.find(all[i].key);
+    is_new[i] = leaf == nullptr;
+    if (leaf) confirm(*leaf, all[i].points, octree.grid().center(all[i].key), parameters);
+  });
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!is_new[i]) continue;
+    confirm(octree.find_or_insert(all[i].key), all[i].points, octree.grid().center(all[i].key), parameters);
+  }
+}
+
+}  // namespace
+
+ScanSummary add_scan(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
+                     const UpdateParameters& parameters) {
+  UpdateParameters trusting = parameters;
+  trusting.confirmations = 1;
+  const BundleGrid bundles = condense(scan, T_map_sensor, octree.grid(), parameters.lidar);
+  confirm_leaves(octree, bundles, trusting);
+  return summarize(scan, bundles);
+}
+
+ScanSummary update(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
+                   const UpdateParameters& parameters) {
+  const BundleGrid bundles = condense(scan, T_map_sensor, octree.grid(), parameters.lidar);
+  const Evidence evidence = trace(octree, bundles, parameters);
+  contradict_leaves(octree, bundles, evidence, parameters);
+  confirm_leaves(octree, bundles, parameters);
+  return summarize(scan, bundles);
+}
+
+}  // namespace evermap

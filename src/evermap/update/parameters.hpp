@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <evermap/scan/ray_bundle.hpp>
+
+namespace evermap {
+
+/// How a ray's contradiction of a leaf is measured.
+enum class ImpactRule {
+  kEquation5Inverse,  ///< the paper's equation 5, third case falling with distance (the text's reading)
+  kEquation5Printed,  ///< the paper's equation 5, third case as printed, clamped to 1
+  kClosestApproach,   ///< likelihood of the mean ray's closest approach to the leaf's Gaussian
+};
+
+/// How the impacts of all bundles of one scan become one occupancy step.
+enum class Combination { kMaximum, kNoisyOr };
+
+/// Which evidence in the same scan spares a leaf that a ray contradicts.
+enum class SurfaceGuard {
+  kNone,
+  kCoplanarHit,  ///< a neighbouring voxel was hit on the same plane: the ray grazes a surface that is there
+  kReobserved,   ///< a bundle nearby fits the leaf's Gaussian, allowing for the pose's error
+};
+
+/// What a contradicting ray takes from a leaf's Gaussian.
+enum class Difference {
+  kNone,
+  kSigmaPoints,  ///< the paper: refit the sigma points outside the bundle's 95 % ellipsoid
+  kSoft,         ///< subtract the bundle's cylinder in closed form
+};
+
+/// All that governs an update. The defaults are the default mode; `paper()` is the paper's.
+struct UpdateParameters {
+  LidarParameters lidar;
+
+  ImpactRule impact = ImpactRule::kClosestApproach;
+  Combination combination = Combination::kNoisyOr;
+  SurfaceGuard surface_guard = SurfaceGuard::kReobserved;
+  Difference difference = Difference::kNone;
+  bool surface_crossing = true;   ///< a planar leaf is contradicted only by a ray that ends beyond its plane
+  bool incidence_weight = false;  ///< weigh a planar leaf's impact by |cos| of the angle of incidence
+  double least_impact = 0.1;      ///< smaller impacts are ignored
+  double end_guard = 1.0;         ///< [m] the stretch before a ray's hit in which it contradicts nothing
+  double pose_sigma = 0.1;        ///< [m] how far a surface may seem displaced (kReobserved)
+
+  double hit = 2.197;         ///< log-odds of one hit, logit(0.9)
+  double miss = 1.208;        ///< log-odds taken by one full contradiction, -logit(0.23)
+  double max_log_odds = 3.5;  ///< so that three full contradictions delete any leaf
+  int confirmations = 3;      ///< scans that must hit a new leaf before it is occupied
+  double max_count = 1000;    ///< [points] a leaf's memory: older surface is forgotten beyond
+
+  static UpdateParameters paper();
+};
+
+inline UpdateParameters UpdateParameters::paper() {
+  UpdateParameters parameters;
+  parameters.impact = ImpactRule::kEquation5Inverse;
+  parameters.combination = Combination::kMaximum;
+  parameters.surface_guard = SurfaceGuard::kNone;
+  parameters.difference = Difference::kSigmaPoints;
+  parameters.surface_crossing = false;
+  parameters.least_impact = 0;
+  parameters.end_guard = 0;
+  parameters.miss = 1.386;  // -logit(0.2)
+  parameters.confirmations = 1;
+  parameters.max_count = 100;
+  return parameters;
+}
+
+}  // namespace evermap
