@@ -78,19 +78,19 @@ bool is_coplanar(const Gaussian& leaf, const Plane& plane, const Gaussian& hit) 
          std::abs(plane.normal.dot(plane_of(hit).normal)) > kMinCosine;
 }
 
-/// Whether this neighbouring hit may be the leaf's own surface, seen displaced by the pose's error.
-bool fits(const Gaussian& leaf, const Gaussian& hit, double pose_sigma) {
-  Gaussian blurred = leaf;
-  blurred.covariance += hit.covariance + pose_sigma * pose_sigma * Eigen::Matrix3d::Identity();
-  return mahalanobis_squared(hit.mean, blurred) < kChiSquared99;
+/// Whether this neighbouring hit may be the leaf's own surface, seen `displacement` [m] from where it is.
+bool fits(const Gaussian& leaf, const Gaussian& hit, double displacement) {
+  Gaussian blurred = hit;
+  blurred.covariance += displacement * displacement * Eigen::Matrix3d::Identity();
+  return mahalanobis_squared(leaf.mean, blurred) < kChiSquared99;
 }
 
-bool is_spared(const Octree& octree, VoxelKey key, const BundleGrid& bundles,
-               const UpdateParameters& parameters) {
-  if (bundles.find(key) != nullptr) return true;
-  if (parameters.surface_guard == SurfaceGuard::kNone) return false;
+/// Whether the scan sees the leaf's surface in a neighbouring voxel.
+bool is_spared(const Octree& octree, VoxelKey key, const BundleGrid& bundles, SurfaceGuard guard,
+               double displacement) {
+  if (guard == SurfaceGuard::kNone) return false;
   const Gaussian leaf = octree.gaussian(key, *octree.find(key));
-  const bool coplanar = parameters.surface_guard == SurfaceGuard::kCoplanarHit;
+  const bool coplanar = guard == SurfaceGuard::kCoplanarHit;
   const Plane plane = coplanar ? plane_of(leaf) : Plane{};
   const Eigen::Vector3i center = key.voxel();
   for (int i = 0; i < 27; ++i) {
@@ -98,14 +98,33 @@ bool is_spared(const Octree& octree, VoxelKey key, const BundleGrid& bundles,
     if (!VoxelKey::in_range(voxel)) continue;
     const RayBundle* hit = bundles.find(VoxelKey::from_voxel(voxel));
     if (hit == nullptr) continue;
-    if (coplanar ? is_coplanar(leaf, plane, hit->points) : fits(leaf, hit->points, parameters.pose_sigma)) {
-      return true;
-    }
+    if (coplanar ? is_coplanar(leaf, plane, hit->points) : fits(leaf, hit->points, displacement)) return true;
   }
   return false;
 }
 
 }  // namespace
+
+double alignment_error(const Octree& octree, const BundleGrid& bundles) {
+  constexpr std::size_t kEnough = 50;        // flat places that tell the error to about 10 %
+  constexpr double kMinLeafCount = 10;       // [points] fewer do not make a plane
+  constexpr double kMinBundleCount = 3;      // [points] fewer are mostly range noise
+  constexpr double kUnknown = 0.01;          // [m] a moderate error, where too little is flat to tell
+  constexpr double kMedianToSigma = 1.4826;  // of a normal distribution
+  std::vector<double> offsets;
+  for (const RayBundle& bundle : bundles.bundles()) {
+    const Leaf* leaf = octree.find(bundle.key);
+    if (leaf == nullptr || !leaf->occupied() || leaf->count < kMinLeafCount) continue;
+    if (bundle.points.count < kMinBundleCount) continue;
+    const Gaussian surface = octree.gaussian(bundle.key, *leaf);
+    const Plane plane = plane_of(surface);
+    if (plane.flat) offsets.push_back(std::abs(plane.normal.dot(bundle.points.mean - surface.mean)));
+  }
+  if (offsets.size() < kEnough) return kUnknown;
+  const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
+  std::nth_element(offsets.begin(), middle, offsets.end());
+  return kMedianToSigma * *middle;
+}
 
 Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters) {
   Evidence evidence{find_contradictions(octree, bundles, parameters), {}};
@@ -116,11 +135,15 @@ Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdatePara
     evidence.leaves.push_back({all[begin].leaf, 0, begin, end});
     begin = end;
   }
+  const double displacement = parameters.surface_guard == SurfaceGuard::kReobserved
+                                  ? parameters.displacement * alignment_error(octree, bundles)
+                                  : 0;
   oneapi::tbb::parallel_for(
       oneapi::tbb::blocked_range<std::size_t>(0, evidence.leaves.size(), kGrain), [&](const auto& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
           LeafEvidence& leaf = evidence.leaves[i];
-          if (is_spared(octree, leaf.leaf, bundles, parameters)) continue;
+          if (bundles.find(leaf.leaf) != nullptr) continue;  // occupied wins
+          if (is_spared(octree, leaf.leaf, bundles, parameters.surface_guard, displacement)) continue;
           leaf.impact =
               combine(std::span(all).subspan(leaf.begin, leaf.end - leaf.begin), parameters.combination);
         }

@@ -33,6 +33,11 @@ struct Evidence {
   std::vector<LeafEvidence> leaves;
 };
 
+/// How far the scan is off the map [m]: robust standard deviation of the distances from the scan's bundles to
+/// the planes of flat leaves that they hit. It is measured, not assumed, so that one rule serves exact poses
+/// and poor ones.
+double alignment_error(const Octree& octree, const BundleGrid& bundles);
+
 /// Sends every bundle's ray through the map and gathers, leaf by leaf, what it contradicts. Reads the map and
 /// writes nothing; runs in parallel in the caller's TBB arena, with the same result for any number of
 /// threads.

@@ -20,7 +20,7 @@ enum class Combination { kMaximum, kNoisyOr };
 enum class SurfaceGuard {
   kNone,
   kCoplanarHit,  ///< a neighbouring voxel was hit on the same plane: the ray grazes a surface that is there
-  kReobserved,   ///< a bundle nearby fits the leaf's Gaussian, allowing for the pose's error
+  kReobserved,   ///< the leaf's mean lies in a neighbouring bundle, allowing for the scan's alignment error
 };
 
 /// What a contradicting ray takes from a leaf's Gaussian.
@@ -42,10 +42,11 @@ struct UpdateParameters {
   bool incidence_weight = false;  ///< weigh a planar leaf's impact by |cos| of the angle of incidence
   double least_impact = 0.1;      ///< smaller impacts are ignored
   double end_guard = 1.0;         ///< [m] the stretch before a ray's hit in which it contradicts nothing
-  double pose_sigma = 0.1;        ///< [m] how far a surface may seem displaced (kReobserved)
+  double displacement = 12;       ///< how far a surface may seem displaced (kReobserved), in units of the
+                                  ///< scan's alignment error
 
   double hit = 2.197;         ///< log-odds of one hit, logit(0.9)
-  double miss = 1.208;        ///< log-odds taken by one full contradiction, -logit(0.23)
+  double miss = 1.386;        ///< log-odds taken by one full contradiction, -logit(0.2)
   double max_log_odds = 3.5;  ///< so that three full contradictions delete any leaf
   int confirmations = 3;      ///< scans that must hit a new leaf before it is occupied
   double max_count = 1000;    ///< [points] a leaf's memory: older surface is forgotten beyond
@@ -62,7 +63,6 @@ inline UpdateParameters UpdateParameters::paper() {
   parameters.surface_crossing = false;
   parameters.least_impact = 0;
   parameters.end_guard = 0;
-  parameters.miss = 1.386;  // -logit(0.2)
   parameters.confirmations = 1;
   parameters.max_count = 100;
   return parameters;
