@@ -13,7 +13,7 @@ namespace evermap {
 
 /// A sequence of scans, read one at a time: a folder of .bin, .pcd or .ply files in the order of their names
 /// (one format per folder), or one such file. The constructor throws IoError when there is no scan in it or
-/// the formats are mixed; files of other kinds are ignored.
+/// the formats are mixed; files of other kinds and hidden ones are ignored. Not thread safe.
 class ScanSource {
  public:
   explicit ScanSource(const std::filesystem::path& path);

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cerrno>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+#include <evermap/io/atomic_file.hpp>
+#include <evermap/io/io_error.hpp>
+
+namespace evermap {
+namespace {
+
+constexpr std::size_t kBufferSize = 1 << 20;  // [bytes] few system calls, and no more than a cache holds
+constexpr int kMaxLinks = 40;                 // what the kernel itself follows
+constexpr int kMaxAttempts = 1000;            // leftovers of crashed processes that had this process's id
+
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+  return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+}
+
+/// Follows links by hand, because a link may point to a file that does not exist yet.
+std::filesystem::path follow_links(const std::filesystem::path& path) {
+  std::filesystem::path target = path;
+  std::error_code error;
+  for (int i = 0; std::filesystem::is_symlink(target, error); ++i) {
+    if (i == kMaxLinks) throw IoError(path, "too many symbolic links; name the file itself");
+    const std::filesystem::path link = std::filesystem::read_symlink(target, error);
+    if (error) throw IoError(path, "cannot read the symbolic link: " + error.message());
+    target = folder_of(target) / link;  // operator/ drops the folder when the link is absolute
+  }
+  return target;
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)), target_(follow_links(path_)) {
+  struct stat status {};
+  const bool exists = ::stat(target_.c_str(), &status) == 0;
+  if (!exists && errno != ENOENT) fail(errno, "cannot be written");
+  if (!exists && !target_.has_filename()) throw IoError(path_, "names no file to write; add a file name");
+  if (exists && S_ISDIR(status.st_mode)) throw IoError(path_, "is a folder; name a file in it");
+  if (exists && !S_ISREG(status.st_mode)) {
+    throw IoError(path_, "is a device, pipe or socket and cannot be replaced; name a regular file");
+  }
+  // rename() asks only for a writable folder; a file that its owner has write-protected must survive.
+  if (exists && ::faccessat(AT_FDCWD, target_.c_str(), W_OK, AT_EACCESS) != 0)
+    fail(errno, "cannot be replaced");
+  open_temporary(exists ? 0600 : 0666);
+  if (exists && ::fchmod(descriptor_, status.st_mode & 0777) != 0) {
+    const int error = errno;
+    close();
+    ::unlink(temporary_path_.c_str());  // the destructor does not run for a constructor that throws
+    fail(error, "cannot keep its permissions");
+  }
+}
+
+AtomicFile::~AtomicFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!temporary_path_.empty()) ::unlink(temporary_path_.c_str());
+}
+
+void AtomicFile::write(const void* data, std::size_t size) {
+  const char* bytes = static_cast<const char*>(data);
+  if (buffer_.size() + size > kBufferSize) flush();
+  if (size > kBufferSize) {
+    write_through(bytes, size);
+  } else {
+    buffer_.append(bytes, size);
+  }
+}
+
+void AtomicFile::commit() {
+  flush();
+  if (::fsync(descriptor_) != 0) fail(errno, "cannot be written to the device");
+  close();
+  if (::rename(temporary_path_.c_str(), target_.c_str()) != 0) fail(errno, "cannot be replaced");
+  temporary_path_.clear();
+  sync_folder();
+}
+
+/// The name does not grow with the target's, so that it fits wherever the target's fits; O_EXCL makes names
+/// unique among threads without a shared counter.
+void AtomicFile::open_temporary(unsigned permissions) {
+  const std::string prefix = ".evermap-" + std::to_string(::getpid()) + "-";
+  for (int i = 0; i < kMaxAttempts; ++i) {
+    temporary_path_ = folder_of(target_) / (prefix + std::to_string(i) + ".tmp");
+    descriptor_ = ::open(temporary_path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, permissions);
+    if (descriptor_ >= 0) return;
+    if (errno != EEXIST && errno != EINTR) fail(errno, "no file can be made in its folder");
+  }
+  fail(EEXIST, "remove old files " + prefix + "*.tmp from its folder");
+}
+
+void AtomicFile::write_through(const char* data, std::size_t size) {
+  while (size > 0) {
+    const ssize_t written = ::write(descriptor_, data, size);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(errno, "cannot be written");
+    data += written;
+    size -= static_cast<std::size_t>(written);
+  }
+}
+
+void AtomicFile::flush() {
+  write_through(buffer_.data(), buffer_.size());
+  buffer_.clear();
+}
+
+void AtomicFile::close() {
+  // Linux closes the descriptor even when close() is interrupted: trying again could close another's.
+  if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) fail(errno, "cannot be written");
+}
+
+void AtomicFile::sync_folder() const {
+  const int folder = ::open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) {
+    if (errno == EACCES) return;  // a folder one may write but not list cannot be synced by any means
+    fail(errno, "its folder cannot be synced");
+  }
+  const int error = ::fsync(folder) == 0 ? 0 : errno;
+  ::close(folder);
+  // Some network file systems know no sync of folders and say so with EINVAL.
+  if (error != 0 && error != EINVAL) fail(error, "its folder cannot be synced");
+}
+
+void AtomicFile::fail(int error, const std::string& what) const {
+  throw IoError(path_, what + ": " + std::generic_category().message(error));
+}
+
+}  // namespace evermap

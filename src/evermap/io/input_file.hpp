@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include <evermap/io/io_error.hpp>
+
+namespace evermap {
+
+/// A whole file in memory, and the way to say what is wrong in it.
+///
+/// A copy instead of a memory map, because a map kills the process when the file shrinks meanwhile. The
+/// constructor throws IoError when there is no such file, or it is no regular file, empty or unreadable.
+class InputFile {
+ public:
+  explicit InputFile(std::filesystem::path path);
+
+  const std::filesystem::path& path() const { return path_; }
+  std::string_view bytes() const { return bytes_; }
+
+  [[noreturn]] void fail(const std::string& message) const { throw IoError(path_, message); }
+  [[noreturn]] void fail_at_byte(std::uint64_t offset, const std::string& message) const {
+    throw IoError(path_, IoError::Unit::kByte, offset, message);
+  }
+  [[noreturn]] void fail_at_line(std::uint64_t line, const std::string& message) const {
+    throw IoError(path_, IoError::Unit::kLine, line, message);
+  }
+
+ private:
+  std::filesystem::path path_;
+  std::string bytes_;
+};
+
+}  // namespace evermap

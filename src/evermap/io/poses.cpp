@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <evermap/io/poses.hpp>
+#include <evermap/io/quaternion.hpp>
+#include <evermap/io/text_lines.hpp>
+
+namespace evermap {
+namespace {
+
+constexpr std::size_t kTumColumns = 8;
+constexpr std::size_t kKittiColumns = 12;
+constexpr double kRotationTolerance = 1e-3;  // data sets print six digits and more; a slip is far larger
+
+StampedPose tum_pose(const std::vector<double>& row, const TextLines& lines) {
+  const Eigen::Quaterniond quaternion(row[7], row[4], row[5], row[6]);
+  const std::optional<Eigen::Matrix3d> rotation = rotation_from_file(quaternion);
+  if (!rotation) {
+    lines.fail("the quaternion qx qy qz qw has norm " + std::to_string(quaternion.norm()) +
+               ", not 1; correct it");
+  }
+  return {row[0], {*rotation, {row[1], row[2], row[3]}}};
+}
+
+StampedPose kitti_pose(const std::vector<double>& row, const TextLines& lines) {
+  const auto matrix = Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(row.data());
+  const Eigen::Matrix3d rotation = matrix.leftCols<3>();
+  if (!is_rotation(rotation, kRotationTolerance)) {
+    lines.fail("the left 3x3 block of the row-major 3x4 matrix is no rotation; correct it");
+  }
+  return {std::nullopt, {nearest_rotation(rotation), matrix.col(3)}};
+}
+
+}  // namespace
+
+std::vector<StampedPose> read_poses(const std::filesystem::path& path) {
+  const InputFile file(path);
+  TextLines lines(file);
+  std::vector<StampedPose> poses;
+  std::vector<double> row;
+  std::size_t columns = 0;
+  while (lines.next_filled()) {
+    std::string_view rest = lines.line();
+    if (next_token(rest).starts_with('#')) continue;
+    lines.read_numbers(row);
+    if (poses.empty()) columns = row.size();
+    if (row.size() != columns || (columns != kTumColumns && columns != kKittiColumns)) {
+      lines.fail(
+          "has " + std::to_string(row.size()) +
+          " numbers; every line needs 8 (TUM: t x y z qx qy qz qw) or every line 12 (KITTI: 3x4 matrix)");
+    }
+    if (!std::all_of(row.begin(), row.end(), [](double value) { return std::isfinite(value); })) {
+      lines.fail("holds a number that is not finite; remove the line and its scan");
+    }
+    poses.push_back(columns == kTumColumns ? tum_pose(row, lines) : kitti_pose(row, lines));
+    if (poses.size() > 1 && poses.back().time && *poses.back().time <= *poses[poses.size() - 2].time) {
+      lines.fail("the time is not later than that of the pose before; sort the poses, remove doubles");
+    }
+  }
+  if (poses.empty()) file.fail("holds no pose");
+  return poses;
+}
+
+}  // namespace evermap
