@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -94,6 +95,15 @@ ScanSummary add_scan(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
   const BundleGrid bundles = condense(scan, T_map_sensor, octree.grid(), parameters.lidar);
   confirm_leaves(octree, bundles, trusting);
   return summarize(scan, bundles);
+}
+
+ScanSummary add_cloud(Octree& octree, const Scan& cloud, const Pose& T_map_cloud,
+                      const UpdateParameters& parameters) {
+  UpdateParameters trusting = parameters;
+  trusting.lidar.min_range = 0;
+  trusting.lidar.max_range = std::numeric_limits<double>::infinity();
+  trusting.hit = parameters.max_log_odds;
+  return add_scan(octree, cloud, T_map_cloud, trusting);
 }
 
 ScanSummary update(Octree& octree, const Scan& scan, const Pose& T_map_sensor,

@@ -26,6 +26,10 @@ struct ScanSummary {
 ScanSummary add_scan(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
                      const UpdateParameters& parameters);
 
+/// Merges a survey's cloud into the map, trusted as it is: every range, and every leaf as sure as can be.
+ScanSummary add_cloud(Octree& octree, const Scan& cloud, const Pose& T_map_cloud,
+                      const UpdateParameters& parameters);
+
 /// Brings the map up to date with one aligned scan: condense, trace, contradict, confirm.
 ///
 /// Needs exclusive access to the map. Runs in parallel in the caller's TBB arena; the map that results is

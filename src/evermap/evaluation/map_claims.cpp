@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <evermap/evaluation/map_claims.hpp>
+
+namespace evermap {
+
+bool claims(const Octree& octree, const Eigen::Vector3d& p_map, double position_sigma) {
+  const auto key = octree.grid().key(p_map);
+  const Leaf* leaf = key ? octree.find(*key) : nullptr;
+  if (leaf == nullptr || !leaf->occupied()) return false;
+  Gaussian surface = octree.gaussian(*key, *leaf);
+  surface.covariance += position_sigma * position_sigma * Eigen::Matrix3d::Identity();
+  return mahalanobis_squared(p_map, surface) <= kChiSquared99;
+}
+
+Points surface_points(const Octree& octree) {
+  Points points;
+  octree.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
+    if (leaf.occupied()) points.push_back(octree.gaussian(key, leaf).mean);
+  });
+  return points;
+}
+
+}  // namespace evermap

@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include <evermap/evaluation/map_metrics.hpp>
+#include <evermap/map/octree.hpp>
+
+namespace evermap {
+
+/// Whether the map still claims surface at this point: its leaf is occupied and the point lies in the 99 %
+/// ellipsoid of S_V + position_sigma^2 I. `position_sigma` [m] is how well the point itself is known: the
+/// pose's error for a point of a real scan, the range noise for a point of a simulated world.
+bool claims(const Octree& octree, const Eigen::Vector3d& p_map, double position_sigma);
+
+/// The map as points [m]: the mean of every occupied leaf.
+Points surface_points(const Octree& octree);
+
+}  // namespace evermap
