@@ -50,8 +50,7 @@ Twist log(const Pose& pose) {
   const Eigen::Vector3d phi = angle * angle_axis.axis();
   const Eigen::Matrix3d K = skew(phi);
   const double a2 = angle * angle;
-  const double D =
-      angle < 1e-4 ? 1.0 / 12 + a2 / 720 : (1 - 0.5 * angle * std::sin(angle) / (1 - std::cos(angle))) / a2;
+  const double D = angle < 1e-4 ? 1.0 / 12 + a2 / 720 : (1 - 0.5 * angle / std::tan(0.5 * angle)) / a2;
   Twist twist;
   twist << (Eigen::Matrix3d::Identity() - 0.5 * K + D * K * K) * pose.translation, phi;
   return twist;

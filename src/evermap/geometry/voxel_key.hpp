@@ -33,9 +33,9 @@ class VoxelKey {
 
   /// REQUIRES: in_range(voxel).
   static VoxelKey from_voxel(const Eigen::Vector3i& voxel) {
-    const auto x = static_cast<std::uint64_t>(voxel.x() + kMaxXY);
-    const auto y = static_cast<std::uint64_t>(voxel.y() + kMaxXY);
-    const auto z = static_cast<std::uint64_t>(voxel.z() + kMaxZ);
+    const auto x = static_cast<std::uint64_t>(std::int64_t{voxel.x()} + kMaxXY);
+    const auto y = static_cast<std::uint64_t>(std::int64_t{voxel.y()} + kMaxXY);
+    const auto z = static_cast<std::uint64_t>(std::int64_t{voxel.z()} + kMaxZ);
     const auto child = [&](int level) {  // position among the 512 children of one wide node
       return (z >> level & 7) << 6 | (y >> level & 7) << 3 | (x >> level & 7);
     };
@@ -88,7 +88,7 @@ struct VoxelGrid {
   /// The voxel that contains `p_map`; none when it is not finite or beyond the range of keys.
   std::optional<Eigen::Vector3i> voxel(const Eigen::Vector3d& p_map) const {
     const Eigen::Vector3d scaled = ((p_map - origin) / edge).array().floor();
-    if (!(scaled.cwiseAbs().maxCoeff() <= VoxelKey::kMaxXY)) return std::nullopt;  // NaN compares false
+    if (!scaled.allFinite() || scaled.cwiseAbs().maxCoeff() > VoxelKey::kMaxXY) return std::nullopt;
     const Eigen::Vector3i v = scaled.cast<int>();
     if (!VoxelKey::in_range(v)) return std::nullopt;
     return v;

@@ -41,7 +41,7 @@ class VoxelWalk {
     int boundary;  ///< [voxels]
   };
   Exit exit(int level) const {
-    Exit first{std::numeric_limits<double>::infinity(), 0, 0};
+    Exit first{std::numeric_limits<double>::max(), 0, 0};  // a ray without length stays where it is
     for (int axis = 0; axis < 3; ++axis) {
       const int cube = voxel_[axis] >> level;
       const int boundary = (direction_[axis] > 0 ? cube + 1 : cube) * (1 << level);
@@ -111,7 +111,9 @@ void traverse(const Octree& octree, const Ray& ray, Visit&& visit) {
   if (!start || !octree.grid().voxel(ray.end)) return;
   const double length = ray.length();
   VoxelWalk walk(octree.grid(), ray, *start);
-  while (walk.inside()) {
+  // A ray that ends on the border of the range of keys may step across it.
+  const auto on_grid = [&walk] { return walk.inside() && VoxelKey::in_range(walk.voxel()); };
+  while (on_grid()) {
     VoxelKey key = VoxelKey::from_voxel(walk.voxel());
     const std::uint64_t block_key = key.block();
     const Octree::Block* block = octree.find_block(block_key);
@@ -119,7 +121,7 @@ void traverse(const Octree& octree, const Ray& ray, Visit&& visit) {
       walk.leap(walk.exit(kBlockLevel));
       continue;
     }
-    for (; walk.inside() && key.block() == block_key; key = VoxelKey::from_voxel(walk.voxel())) {
+    for (; on_grid() && key.block() == block_key; key = VoxelKey::from_voxel(walk.voxel())) {
       const Octree::Brick* brick = block->find(key.brick_in_block());
       if (brick == nullptr) {
         walk.leap(walk.exit(kBrickLevel));

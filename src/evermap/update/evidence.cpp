@@ -74,8 +74,9 @@ double combine(std::span<const Contradiction> contradictions, Combination combin
 bool is_coplanar(const Gaussian& leaf, const Plane& plane, const Gaussian& hit) {
   constexpr double kMaxOffset = 0.06;  // [m]
   constexpr double kMinCosine = 0.95;
-  return plane.flat && std::abs(plane.normal.dot(hit.mean - leaf.mean)) < kMaxOffset &&
-         std::abs(plane.normal.dot(plane_of(hit).normal)) > kMinCosine;
+  if (!plane.flat || std::abs(plane.normal.dot(hit.mean - leaf.mean)) > kMaxOffset) return false;
+  const Plane hit_plane = plane_of(hit);
+  return hit_plane.flat && std::abs(plane.normal.dot(hit_plane.normal)) > kMinCosine;
 }
 
 /// Whether this neighbouring hit may be the leaf's own surface, seen `displacement` [m] from where it is.

@@ -49,7 +49,7 @@ Approach closest_approach(const Ray& ray, const Gaussian& leaf) {
   const Eigen::Matrix3d leaf_information = leaf.covariance.inverse();
   const Eigen::Vector3d to_leaf = leaf.mean - ray.origin;
   const Eigen::Vector3d information_u = leaf_information * u;
-  const double distance = to_leaf.dot(information_u) / u.dot(information_u);
+  const double distance = std::max(0.0, to_leaf.dot(information_u) / u.dot(information_u));
   const Eigen::Vector3d miss = distance * u - to_leaf;
   return {distance, std::exp(-0.5 * miss.dot(leaf_information * miss))};
 }

@@ -26,7 +26,9 @@ void confirm(Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& center_m
   Gaussian surface = is_new ? bundle : merge(leaf.gaussian(center_map), bundle);
   surface.count = std::min(surface.count, parameters.max_count);
   leaf.set_gaussian(surface, center_map);
-  const double log_odds = is_new ? first_hit(parameters) : leaf.log_odds + parameters.hit;
+  constexpr double kRounding = 1e-5;  // of stored log-odds: it must not turn the last 0 into occupied
+  double log_odds = is_new ? first_hit(parameters) : leaf.log_odds + parameters.hit;
+  if (std::abs(log_odds) < kRounding) log_odds = 0;
   leaf.log_odds = static_cast<float>(std::min(log_odds, parameters.max_log_odds));
 }
 

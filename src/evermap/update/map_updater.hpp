@@ -21,8 +21,8 @@ struct ScanSummary {
   std::size_t dropped_out_of_grid = 0;  ///< points beyond the range of keys
 };
 
-/// Merges a scan into the map and contradicts nothing: how an initial map is built. Every leaf hit is
-/// confirmed.
+/// Merges a scan into the map and contradicts nothing: how an initial map is built. New leaves are occupied
+/// at once.
 ScanSummary add_scan(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
                      const UpdateParameters& parameters);
 

@@ -1,0 +1,45 @@
+# SPDX-FileCopyrightText: 2026 the evermap authors
+# SPDX-License-Identifier: BSD-3-Clause
+# cmake -DROOT=<source tree> -P check_includes.cmake
+# Fails when a file of src/evermap/<folder> includes from a folder that it may not know. `app` may include
+# everything, and nobody may include `app`.
+cmake_minimum_required(VERSION 3.25)
+
+set(geometry_MAY_INCLUDE "")
+set(scan_MAY_INCLUDE geometry)
+set(map_MAY_INCLUDE geometry)
+set(update_MAY_INCLUDE geometry scan map)
+set(localization_MAY_INCLUDE geometry scan map)
+set(io_MAY_INCLUDE geometry scan map)
+set(simulation_MAY_INCLUDE geometry scan)
+set(evaluation_MAY_INCLUDE geometry scan map update)
+
+file(GLOB_RECURSE files RELATIVE "${ROOT}/src/evermap" "${ROOT}/src/evermap/*.hpp" "${ROOT}/src/evermap/*.cpp")
+if(NOT files)
+  message(FATAL_ERROR "no files in ${ROOT}/src/evermap")
+endif()
+set(violations "")
+foreach(file IN LISTS files)
+  string(REGEX MATCH "^[^/]*" folder "${file}")
+  if(NOT DEFINED ${folder}_MAY_INCLUDE)
+    string(APPEND violations "${file}: folder ${folder} has no line in check_includes.cmake\n")
+    continue()
+  endif()
+  file(STRINGS "${ROOT}/src/evermap/${file}" includes REGEX "^[ \t]*#[ \t]*include")
+  foreach(include IN LISTS includes)
+    if(include MATCHES "<evermap/([^/>]+)/")
+      set(other "${CMAKE_MATCH_1}")
+      if(NOT other STREQUAL folder AND NOT other IN_LIST ${folder}_MAY_INCLUDE)
+        string(APPEND violations "${file}: ${folder} may not include ${other}\n")
+      endif()
+    elseif(NOT include MATCHES "#[ \t]*include[ \t]*<")
+      # A quoted path could lead anywhere unseen.
+      string(APPEND violations "${file}: write includes as <evermap/...>: ${include}\n")
+    elseif(include MATCHES "<(app/|\\.)")
+      string(APPEND violations "${file}: the library may not include the application: ${include}\n")
+    endif()
+  endforeach()
+endforeach()
+if(violations)
+  message(FATAL_ERROR "${violations}")
+endif()

@@ -1,0 +1,338 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <support/naive_walk.hpp>
+#include <support/reference_update.hpp>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+namespace evermap::test {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::Vector3i;
+using Eigensystem = Eigen::SelfAdjointEigenSolver<Matrix3d>;
+
+constexpr double kQuantile95 = 7.814727903251179;
+constexpr double kQuantile99 = 11.344866730144373;
+
+struct Bundle {
+  VoxelKey key;
+  Vector3d mean;
+  Matrix3d covariance;
+  double count;
+};
+
+struct Contradiction {
+  const Bundle* bundle;
+  double impact;
+};
+
+double rounded(double x) { return static_cast<double>(static_cast<float>(x)); }
+
+double squared_distance(const Vector3d& x, const Vector3d& mean, const Matrix3d& S) {
+  return (x - mean).transpose() * S.inverse() * (x - mean);
+}
+
+Matrix3d floored(const Matrix3d& S, double least) {
+  const Eigensystem eigen(S);
+  const Matrix3d V = eigen.eigenvectors();
+  return V * eigen.eigenvalues().cwiseMax(least).asDiagonal() * V.transpose();
+}
+
+double thickness(const VoxelGrid& grid, const UpdateParameters& parameters) {
+  return std::max(parameters.lidar.range_sigma, 0.02 * grid.edge);
+}
+
+void store(ReferenceLeaf& leaf, const Vector3d& center) {
+  leaf.mean = center + (leaf.mean - center).unaryExpr(&rounded);
+  leaf.covariance = Matrix3d(leaf.covariance.selfadjointView<Eigen::Upper>()).unaryExpr(&rounded);
+  leaf.count = rounded(leaf.count);
+  leaf.log_odds = rounded(leaf.log_odds);
+}
+
+/// In the order in which the scan reaches their voxels.
+std::vector<Bundle> condensed(const Scan& scan, const Pose& T, const VoxelGrid& grid,
+                              const UpdateParameters& parameters) {
+  std::vector<VoxelKey> order;
+  std::map<VoxelKey, std::vector<Vector3d>> voxels;
+  for (const Vector3d& p : scan.p_sensor) {
+    if (p.norm() < parameters.lidar.min_range || p.norm() > parameters.lidar.max_range) continue;
+    const Vector3d p_map = T.rotation * p + T.translation;
+    const auto key = grid.key(p_map);
+    if (!key) continue;
+    if (voxels[*key].empty()) order.push_back(*key);
+    voxels[*key].push_back(p_map);
+  }
+  const double s0 = thickness(grid, parameters);
+  std::vector<Bundle> bundles;
+  for (const VoxelKey key : order) {
+    const auto& points = voxels[key];
+    const auto n = static_cast<double>(points.size());
+    Vector3d mean = Vector3d::Zero();
+    for (const Vector3d& p : points) mean += (p - points[0]) / n;
+    mean += points[0];
+    Matrix3d scatter = Matrix3d::Zero();
+    for (const Vector3d& p : points) scatter += (p - mean) * (p - mean).transpose();
+    const Matrix3d S = (scatter + 2 * s0 * s0 * Matrix3d::Identity()) / (n + 2);
+    bundles.push_back({key, mean, floored(S, s0 * s0 / 4), n});
+  }
+  return bundles;
+}
+
+/// Equation 3: the positive root of 2 A t^2 + (T - 2 B) t - 3 = 0, at most 1.
+double travel_time(const ReferenceLeaf& leaf, const Vector3d& o, const Bundle& bundle) {
+  const Matrix3d P = leaf.covariance.inverse();
+  const Vector3d d = bundle.mean - o;
+  const long double A = d.dot(P * d);
+  const long double B = d.dot(P * (leaf.mean - o));
+  const long double T = (P * bundle.covariance).trace();
+  return static_cast<double>(
+      std::min(1.0L, (2 * B - T + std::sqrt((T - 2 * B) * (T - 2 * B) + 24 * A)) / (4 * A)));
+}
+
+/// Equations 3 to 5.
+double paper_impact(const ReferenceLeaf& leaf, const Vector3d& o, const Bundle& bundle, double free,
+                    ImpactRule rule) {
+  const double t = travel_time(leaf, o, bundle);
+  if (t * (bundle.mean - o).norm() > free) return 0;
+  const Vector3d mean_t = o + t * (bundle.mean - o);
+  const Matrix3d S_t = t * bundle.covariance;
+  const Matrix3d P_V = leaf.covariance.inverse(), P_t = S_t.inverse();
+  const Vector3d x_max = (P_V + P_t).inverse() * (P_V * (leaf.mean - mean_t)) + mean_t;
+  if (squared_distance(x_max, leaf.mean, leaf.covariance) > kQuantile95) return 0;
+  if (squared_distance(leaf.mean, mean_t, S_t) <= kQuantile95) return 1;
+  const double longest = std::sqrt(Eigensystem(leaf.covariance).eigenvalues()[2]);
+  const double apart = (leaf.mean - x_max).norm();
+  if (rule == ImpactRule::kEquation5Printed) return std::min(1.0, apart / (2 * longest));
+  return std::max(0.0, 1 - apart / (std::sqrt(kQuantile95) * longest));
+}
+
+double approach_impact(const ReferenceLeaf& leaf, const Vector3d& o, const Bundle& bundle, double free,
+                       const UpdateParameters& parameters) {
+  const Vector3d u = (bundle.mean - o).normalized();
+  const Matrix3d P = leaf.covariance.inverse();
+  const double along = std::max(0.0, u.dot(P * (leaf.mean - o)) / u.dot(P * u));
+  if (along > free) return 0;
+  const double likelihood = std::exp(-squared_distance(o + along * u, leaf.mean, leaf.covariance) / 2);
+  if (likelihood < parameters.least_impact) return 0;
+  const Eigensystem eigen(leaf.covariance);
+  const Vector3d n = eigen.eigenvectors().col(0);
+  if (eigen.eigenvalues()[0] >= 0.2 * eigen.eigenvalues()[1]) return likelihood;
+  const double side_o = n.dot(o - leaf.mean), side_end = n.dot(bundle.mean - leaf.mean);
+  const bool through =
+      (side_o < 0) != (side_end < 0) && std::abs(side_end) > 3 * std::sqrt(eigen.eigenvalues()[0]);
+  if (parameters.surface_crossing && !through) return 0;
+  return parameters.incidence_weight ? likelihood * std::abs(n.dot(u)) : likelihood;
+}
+
+bool is_hit(const std::vector<Bundle>& bundles, VoxelKey key) {
+  return std::any_of(bundles.begin(), bundles.end(), [&](const Bundle& b) { return b.key == key; });
+}
+
+using Evidence = std::map<VoxelKey, std::vector<Contradiction>>;
+
+Evidence gathered(const std::map<VoxelKey, ReferenceLeaf>& leaves, const std::vector<Bundle>& bundles,
+                  const VoxelGrid& grid, const Vector3d& o, const UpdateParameters& parameters) {
+  Evidence evidence;
+  std::set<VoxelKey> hit;
+  for (const Bundle& bundle : bundles) hit.insert(bundle.key);
+  for (const Bundle& bundle : bundles) {
+    const double length = (bundle.mean - o).norm();
+    const Vector3d u = (bundle.mean - o) / length;
+    const double sigma_along = std::sqrt(u.dot(bundle.covariance * u));
+    const double free =
+        length - std::max(parameters.end_guard, 3 * parameters.lidar.range_sigma + 2 * sigma_along);
+    for (const NaiveStep& step : naive_walk(grid, {o, bundle.mean})) {
+      if (free <= 0 || step.entry * length > free) break;
+      const VoxelKey key = VoxelKey::from_voxel(step.voxel);
+      const auto leaf = leaves.find(key);
+      if (leaf == leaves.end() || key == bundle.key) continue;
+      if (parameters.difference == Difference::kNone && hit.contains(key)) continue;
+      const double impact = parameters.impact == ImpactRule::kClosestApproach
+                                ? approach_impact(leaf->second, o, bundle, free, parameters)
+                                : paper_impact(leaf->second, o, bundle, free, parameters.impact);
+      if (impact > 0) evidence[key].push_back({&bundle, rounded(impact)});
+    }
+  }
+  return evidence;
+}
+
+double combined(const std::vector<Contradiction>& contradictions, Combination combination) {
+  double maximum = 0, spared = 1;
+  for (const Contradiction& c : contradictions) {
+    maximum = std::max(maximum, c.impact);
+    spared *= 1 - c.impact;
+  }
+  return combination == Combination::kMaximum ? maximum : 1 - spared;
+}
+
+bool repeats(double a, double b, double scale) { return std::abs(a - b) < 1e-6 * scale; }
+
+/// The scan's distance from the map: 1.4826 times the median distance of bundles of 3 and more points to the
+/// planes of the occupied leaves of 10 and more points that they hit; 1 cm when fewer than 50 tell.
+double alignment_error(const std::map<VoxelKey, ReferenceLeaf>& leaves, const std::vector<Bundle>& bundles) {
+  std::vector<double> offsets;
+  for (const Bundle& bundle : bundles) {
+    const auto leaf = leaves.find(bundle.key);
+    if (leaf == leaves.end() || leaf->second.log_odds <= 0) continue;
+    if (leaf->second.count < 10 || bundle.count < 3) continue;
+    const Eigensystem eigen(leaf->second.covariance);
+    if (eigen.eigenvalues()[0] >= 0.2 * eigen.eigenvalues()[1]) continue;
+    offsets.push_back(std::abs(eigen.eigenvectors().col(0).dot(bundle.mean - leaf->second.mean)));
+  }
+  if (offsets.size() < 50) return 0.01;
+  std::sort(offsets.begin(), offsets.end());
+  return 1.4826 * offsets[offsets.size() / 2];
+}
+
+/// Whether a neighbouring hit spares the leaf; none when that hangs on an undetermined normal.
+std::optional<bool> spares(const ReferenceLeaf& leaf, const Bundle& hit, SurfaceGuard guard,
+                           double displacement) {
+  if (guard == SurfaceGuard::kReobserved) {
+    const Matrix3d blur = displacement * displacement * Matrix3d::Identity();
+    return squared_distance(leaf.mean, hit.mean, hit.covariance + blur) < kQuantile99;
+  }
+  const Eigensystem own(leaf.covariance), other(hit.covariance);
+  const Vector3d n = own.eigenvectors().col(0);
+  if (own.eigenvalues()[0] >= 0.2 * own.eigenvalues()[1]) return false;
+  if (std::abs(n.dot(hit.mean - leaf.mean)) >= 0.06) return false;
+  if (other.eigenvalues()[0] >= 0.2 * other.eigenvalues()[1]) return false;
+  if (repeats(other.eigenvalues()[0], other.eigenvalues()[1], other.eigenvalues()[2])) return std::nullopt;
+  return std::abs(n.dot(other.eigenvectors().col(0))) > 0.95;
+}
+
+/// Whether the leaf takes no miss.
+std::optional<bool> is_spared(VoxelKey key, const ReferenceLeaf& leaf, const std::vector<Bundle>& bundles,
+                              SurfaceGuard guard, double displacement) {
+  if (is_hit(bundles, key)) return true;
+  if (guard == SurfaceGuard::kNone) return false;
+  std::optional<bool> result = false;
+  for (const Bundle& hit : bundles) {
+    if ((hit.key.voxel() - key.voxel()).cwiseAbs().maxCoeff() > 1) continue;
+    const auto verdict = spares(leaf, hit, guard, displacement);
+    if (verdict.value_or(false)) return true;
+    if (!verdict) result = std::nullopt;
+  }
+  return result;
+}
+
+/// Equation 6. Returns false when the outcome hangs on undetermined axes or on rounding.
+bool subtract_sigma_points(ReferenceLeaf& leaf, const Vector3d& o, const Bundle& bundle) {
+  const double t = travel_time(leaf, o, bundle);
+  const Eigensystem eigen(leaf.covariance);
+  std::vector<Vector3d> points{leaf.mean};
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3d half_axis =
+        std::sqrt(kQuantile95 * eigen.eigenvalues()[axis]) * eigen.eigenvectors().col(axis);
+    points.emplace_back(leaf.mean + half_axis);
+    points.emplace_back(leaf.mean - half_axis);
+  }
+  bool determined = true;
+  std::vector<Vector3d> kept;
+  for (const Vector3d& p : points) {
+    const double squared = squared_distance(p, o + t * (bundle.mean - o), t * bundle.covariance);
+    if (repeats(squared, kQuantile95, kQuantile95)) determined = false;
+    if (squared > kQuantile95) kept.push_back(p);
+  }
+  const Vector3d l = eigen.eigenvalues();
+  if (repeats(l[0], l[1], l[2]) || repeats(l[1], l[2], l[2])) determined = false;
+  if (kept.empty() || kept.size() == 7) return determined;
+  const auto k = static_cast<double>(kept.size());
+  Vector3d mean = Vector3d::Zero();
+  for (const Vector3d& p : kept) mean += p / k;
+  Matrix3d S = Matrix3d::Zero();
+  for (const Vector3d& p : kept) S += (p - mean) * (p - mean).transpose() / k;
+  leaf.mean = mean;
+  leaf.covariance = S * 7 / (2 * kQuantile95);
+  leaf.count *= k / 7;
+  return determined;
+}
+
+/// The soft difference in information form, about the leaf's mean.
+void subtract_cylinder(ReferenceLeaf& leaf, const Vector3d& o, const Bundle& bundle, double rho) {
+  const Vector3d u = (bundle.mean - o).normalized();
+  const Matrix3d frame = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), u).toRotationMatrix();
+  const Eigen::Matrix<double, 3, 2> E = frame.leftCols<2>();
+  const Eigen::Matrix2d S_B = E.transpose() * bundle.covariance * E;
+  const Eigen::Matrix2d S_sum = E.transpose() * leaf.covariance * E + S_B;
+  const Vector3d axis = o - leaf.mean;
+  const Eigen::Vector2d lateral = E.transpose() * axis;
+  const double c = rho * std::sqrt(S_B.determinant() / S_sum.determinant()) *
+                   std::exp(-0.5 * lateral.dot(S_sum.inverse() * lateral));
+  const Matrix3d I_B = E * S_B.inverse() * E.transpose();
+  const Matrix3d S_p = (leaf.covariance.inverse() + I_B).inverse();
+  const Vector3d m_p = S_p * I_B * axis;
+  const Vector3d mean = -c * m_p / (1 - c);
+  leaf.covariance = (leaf.covariance - c * (S_p + m_p * m_p.transpose())) / (1 - c) - mean * mean.transpose();
+  leaf.mean += mean;
+  leaf.count *= 1 - c;
+}
+
+/// Equation 7, the union, and one step up.
+void confirm(std::map<VoxelKey, ReferenceLeaf>& leaves, const Bundle& bundle, const VoxelGrid& grid,
+             const UpdateParameters& parameters, int confirmations) {
+  const auto found = leaves.find(bundle.key);
+  ReferenceLeaf leaf{bundle.mean, bundle.covariance, bundle.count, parameters.hit * (2 - confirmations)};
+  if (found != leaves.end()) {
+    const ReferenceLeaf& old = found->second;
+    const double n = old.count + bundle.count;
+    const Vector3d mean = old.mean + bundle.count / n * (bundle.mean - old.mean);
+    const auto about = [&](const Vector3d& m) { return Matrix3d((m - mean) * (m - mean).transpose()); };
+    leaf = {mean,
+            (old.count * (old.covariance + about(old.mean)) +
+             bundle.count * (bundle.covariance + about(bundle.mean))) /
+                n,
+            n, old.log_odds + parameters.hit};
+  }
+  leaf.count = std::min(leaf.count, parameters.max_count);
+  leaf.log_odds = std::min(leaf.log_odds, parameters.max_log_odds);
+  store(leaf, grid.center(bundle.key));
+  leaves[bundle.key] = leaf;
+}
+
+}  // namespace
+
+void ReferenceUpdate::add_scan(const Scan& scan, const Pose& T_map_sensor,
+                               const UpdateParameters& parameters) {
+  ambiguous.clear();
+  for (const Bundle& bundle : condensed(scan, T_map_sensor, grid_, parameters)) {
+    confirm(leaves, bundle, grid_, parameters, 1);
+  }
+}
+
+void ReferenceUpdate::update(const Scan& scan, const Pose& T_map_sensor, const UpdateParameters& parameters) {
+  ambiguous.clear();
+  const Vector3d o = T_map_sensor.translation;
+  const auto bundles = condensed(scan, T_map_sensor, grid_, parameters);
+  const double s0 = thickness(grid_, parameters);
+  const double displacement = parameters.displacement * alignment_error(leaves, bundles);
+  for (const auto& [key, contradictions] : gathered(leaves, bundles, grid_, o, parameters)) {
+    ReferenceLeaf& leaf = leaves.at(key);
+    const auto spared = is_spared(key, leaf, bundles, parameters.surface_guard, displacement);
+    if (!spared) ambiguous.insert(key);
+    for (const Contradiction& c : contradictions) {
+      if (parameters.difference == Difference::kNone) break;
+      if (parameters.difference == Difference::kSoft)
+        subtract_cylinder(leaf, o, *c.bundle, c.impact);
+      else if (!subtract_sigma_points(leaf, o, *c.bundle))
+        ambiguous.insert(key);
+      leaf.covariance = floored(leaf.covariance, s0 * s0 / 4);
+    }
+    store(leaf, grid_.center(key));
+    if (spared.value_or(true)) continue;
+    const bool was_occupied = leaf.log_odds > 0;
+    leaf.log_odds =
+        rounded(leaf.log_odds - combined(contradictions, parameters.combination) * parameters.miss);
+    const double least = rounded(parameters.hit * (2 - parameters.confirmations));
+    if (was_occupied ? leaf.log_odds <= 0 : leaf.log_odds < least) leaves.erase(key);
+  }
+  for (const Bundle& bundle : bundles) confirm(leaves, bundle, grid_, parameters, parameters.confirmations);
+}
+
+}  // namespace evermap::test

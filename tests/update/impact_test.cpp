@@ -1,0 +1,340 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <support/encounter.hpp>
+#include <support/random_geometry.hpp>
+
+#include <gtest/gtest.h>
+
+#include <evermap/update/impact.hpp>
+
+namespace evermap {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using test::Encounter;
+using test::golden_section;
+using test::Random;
+using test::random_encounter;
+using test::travelling;
+using test::TravellingDivergence;
+
+/// The divergence has two directions; equation 3 is the minimum of D(travelling bundle || leaf).
+TEST(ClosestResemblance, MinimizesTheDivergenceFromTheBundleToTheLeaf) {
+  Random random(1);
+  int inner = 0;
+  int reverse_not_minimal = 0;
+  for (int i = 0; i < 2000; ++i) {
+    Encounter e = random_encounter(random);
+    e.leaf.covariance = random.covariance(0.01, 0.15);
+    e.leaf.mean = e.ray.origin + random.uniform(0.2, 0.8) * (e.ray.end - e.ray.origin) + random.in_cube(0.2);
+    const double t = closest_resemblance(e.ray, e.bundle.covariance, e.leaf);
+    if (t >= 0.99) continue;
+    ++inner;
+    const double least = kl_divergence(travelling(e, t), e.leaf);
+    const double reverse = kl_divergence(e.leaf, travelling(e, t));
+    bool reverse_is_minimal = true;
+    for (const double nearby : {0.99 * t, 1.01 * t}) {
+      EXPECT_GT(kl_divergence(travelling(e, nearby), e.leaf), least);
+      if (kl_divergence(e.leaf, travelling(e, nearby)) < reverse) reverse_is_minimal = false;
+    }
+    reverse_not_minimal += !reverse_is_minimal;
+  }
+  EXPECT_GT(inner, 1000);
+  EXPECT_GT(reverse_not_minimal, inner / 4);
+}
+
+TEST(ClosestResemblance, ReferenceAgreesWithItsOwnDivergence) {
+  Random random(2);
+  for (int i = 0; i < 1000; ++i) {
+    const Encounter e = random_encounter(random);
+    const TravellingDivergence f(e);
+    const long double t = f.minimum();
+    // A minimum by values alone is known to half the digits of the divergence, which is up to 1e10 here.
+    EXPECT_NEAR(static_cast<double>(golden_section(f, t / 3, 3 * t) / t), 1, 3e-4);
+    EXPECT_NEAR(static_cast<double>(f(0.7L)) / kl_divergence(travelling(e, 0.7), e.leaf), 1, 1e-6);
+  }
+}
+
+TEST(ClosestResemblance, EqualsTheNumericalMinimum) {
+  Random random(3);
+  int clamped = 0;
+  int inner = 0;
+  double worst = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const Encounter e = random_encounter(random);
+    const double t = closest_resemblance(e.ray, e.bundle.covariance, e.leaf);
+    const auto expected = static_cast<double>(std::min(1.0L, TravellingDivergence(e).minimum()));
+    ASSERT_GT(t, 0);
+    ASSERT_LE(t, 1);
+    worst = std::max(worst, std::abs(t - expected) / expected);
+    ++(expected == 1 ? clamped : inner);
+  }
+  EXPECT_LT(worst, 1e-8);
+  EXPECT_GT(clamped, 10000);
+  EXPECT_GT(inner, 10000);
+}
+
+/// A leaf behind the sensor, or a bundle far wider than its leaf: the root must not cancel to zero.
+TEST(ClosestResemblance, SurvivesLargePositiveLinearTerms) {
+  for (const double behind : {0.1, 1.0, 100.0, 1e4}) {
+    Encounter e{{Vector3d::Zero(), Vector3d(20, 0, 0)}, {}, {}};
+    e.bundle = {e.ray.end, 0.01 * Matrix3d::Identity(), 5};
+    e.leaf = {Vector3d(-behind, 0, 0), 1e-6 * Matrix3d::Identity(), 5};
+    const double t = closest_resemblance(e.ray, e.bundle.covariance, e.leaf);
+    const auto expected = static_cast<double>(TravellingDivergence(e).minimum());
+    EXPECT_NEAR(t / expected, 1, 1e-10);
+  }
+}
+
+TEST(BundleAt, TravelsFromTheOriginAndWidens) {
+  const Ray ray{Vector3d(1, 2, 3), Vector3d(5, 2, 3)};
+  const Gaussian bundle{ray.end, Vector3d(1, 2, 3).asDiagonal(), 7};
+  const Gaussian half = bundle_at(0.25, ray, bundle);
+  EXPECT_TRUE(half.mean.isApprox(Vector3d(2, 2, 3)));
+  EXPECT_TRUE(half.covariance.isApprox(Matrix3d(Vector3d(0.25, 0.5, 0.75).asDiagonal())));
+  EXPECT_EQ(half.count, 7);
+}
+
+TEST(DensestOverlap, MaximizesTheProductOfBothDensities) {
+  Random random(4);
+  for (int i = 0; i < 1000; ++i) {
+    const Gaussian leaf{random.in_cube(10), random.covariance(0.01, 0.3), 5};
+    const Gaussian bundle{leaf.mean + random.in_cube(0.5), random.covariance(0.01, 0.3), 5};
+    const Vector3d x_max = densest_overlap(leaf, bundle);
+    const auto cost = [&](const Vector3d& x) {
+      return mahalanobis_squared(x, leaf) + mahalanobis_squared(x, bundle);
+    };
+    for (int k = 0; k < 10; ++k) EXPECT_GT(cost(x_max + 1e-3 * random.direction()), cost(x_max));
+  }
+}
+
+/// Round leaf and bundle on the x axis: x_max lies at share s^2 / (s^2 + r^2) of the way.
+struct RoundPair {
+  double s = 0.1;  ///< [m] sigma of the leaf
+  double r = 0.1;  ///< [m] sigma of the bundle
+  Gaussian leaf{Vector3d(1, 2, 3), s* s* Matrix3d::Identity(), 9};
+
+  Gaussian bundle(double distance) const {
+    return {leaf.mean + Vector3d(distance, 0, 0), r * r * Matrix3d::Identity(), 9};
+  }
+  /// At what distance of the means the point of densest overlap has this squared Mahalanobis distance.
+  double distance_for_overlap_at(double mahalanobis_squared) const {
+    return std::sqrt(mahalanobis_squared) * s * (s * s + r * r) / (s * s);
+  }
+};
+
+TEST(Equation5, IsZeroOnceTheOverlapLeavesTheLeaf) {
+  const RoundPair pair;
+  const double border = kChiSquared95;
+  for (const auto rule : {ImpactRule::kEquation5Inverse, ImpactRule::kEquation5Printed}) {
+    EXPECT_EQ(equation5(pair.leaf, pair.bundle(pair.distance_for_overlap_at(border * (1 + 1e-9))), rule), 0);
+  }
+  const Gaussian inside = pair.bundle(pair.distance_for_overlap_at(border * (1 - 1e-9)));
+  // A round leaf's longest half axis is every half axis: the inverse form has just reached 0 as well.
+  const double inverse = equation5(pair.leaf, inside, ImpactRule::kEquation5Inverse);
+  EXPECT_GT(inverse, 0);
+  EXPECT_LT(inverse, 1e-8);
+  // The printed form would be sqrt(7.815) / 2 = 1.40 there.
+  EXPECT_EQ(equation5(pair.leaf, inside, ImpactRule::kEquation5Printed), 1);
+}
+
+TEST(Equation5, IsOneWhileTheMeanLiesInTheBundle) {
+  const RoundPair pair;
+  const double border = std::sqrt(kChiSquared95) * pair.r;
+  for (const auto rule : {ImpactRule::kEquation5Inverse, ImpactRule::kEquation5Printed}) {
+    EXPECT_EQ(equation5(pair.leaf, pair.bundle(border * (1 - 1e-9)), rule), 1);
+    EXPECT_LT(equation5(pair.leaf, pair.bundle(border * (1 + 1e-9)), rule), 0.9);
+  }
+}
+
+TEST(Equation5, ThirdCaseFollowsItsFormula) {
+  RoundPair pair;
+  pair.leaf.covariance = Vector3d(0.01, 0.0004, 0.0025).asDiagonal();
+  // Along x: x_max at 0.01 / (0.01 + 0.0025) = 0.8 of 0.2 m.
+  Gaussian bundle = pair.bundle(0.2);
+  bundle.covariance = 0.0025 * Matrix3d::Identity();
+  const double distance = 0.16;
+  EXPECT_NEAR(equation5(pair.leaf, bundle, ImpactRule::kEquation5Inverse),
+              1 - distance / (std::sqrt(kChiSquared95) * 0.1), 1e-12);
+  EXPECT_NEAR(equation5(pair.leaf, bundle, ImpactRule::kEquation5Printed), distance / (2 * 0.1), 1e-12);
+}
+
+/// Away from the mean the inverse form falls from nearly 1 to 0 and the printed one rises to at most 1.
+TEST(Equation5, ThirdCaseIsMonotone) {
+  RoundPair pair;
+  pair.r = 100;  // so wide that the overlap is still at the mean when the second case ends
+  const double first = std::sqrt(kChiSquared95) * pair.r * (1 + 1e-9);
+  const double last = pair.distance_for_overlap_at(kChiSquared95 * (1 - 1e-9));
+  EXPECT_NEAR(equation5(pair.leaf, pair.bundle(first), ImpactRule::kEquation5Inverse), 1, 2e-3);
+  double inverse_before = 1, printed_before = 0;
+  for (int i = 0; i <= 1000; ++i) {
+    const Gaussian bundle = pair.bundle(first + (last - first) * i / 1000);
+    const double inverse = equation5(pair.leaf, bundle, ImpactRule::kEquation5Inverse);
+    const double printed = equation5(pair.leaf, bundle, ImpactRule::kEquation5Printed);
+    EXPECT_LT(inverse, inverse_before);
+    EXPECT_GE(printed, printed_before);
+    EXPECT_LE(printed, 1);
+    inverse_before = inverse;
+    printed_before = printed;
+  }
+  EXPECT_NEAR(inverse_before, 0, 1e-8);
+  EXPECT_EQ(printed_before, 1);
+}
+
+TEST(Equation5, StaysBetweenZeroAndOne) {
+  Random random(5);
+  int third_case = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Gaussian leaf{random.in_cube(1), random.covariance(0.005, 0.15), 5};
+    const Gaussian bundle{leaf.mean + random.in_cube(0.4), random.covariance(0.005, 0.15), 5};
+    const double inverse = equation5(leaf, bundle, ImpactRule::kEquation5Inverse);
+    const double printed = equation5(leaf, bundle, ImpactRule::kEquation5Printed);
+    ASSERT_TRUE(inverse >= 0 && inverse <= 1) << inverse;
+    ASSERT_TRUE(printed >= 0 && printed <= 1) << printed;
+    third_case += inverse > 0 && inverse < 1;
+  }
+  EXPECT_GT(third_case, 1000);
+}
+
+/// The greatest likelihood among points of the ray, not of the line behind the sensor.
+Approach sampled_approach(const Ray& ray, const Gaussian& leaf, double reach, int samples) {
+  const Vector3d u = (ray.end - ray.origin).normalized();
+  Approach best{0, -1};
+  for (int i = 0; i <= samples; ++i) {
+    const double distance = reach * i / samples;
+    const double likelihood = std::exp(-0.5 * mahalanobis_squared(ray.origin + distance * u, leaf));
+    if (likelihood > best.likelihood) best = {distance, likelihood};
+  }
+  return best;
+}
+
+TEST(ClosestApproach, EqualsTheBestOfDenseSamples) {
+  Random random(6);
+  for (int i = 0; i < 300; ++i) {
+    const Vector3d origin = random.in_cube(5);
+    const Vector3d u = random.direction();
+    const Gaussian leaf{origin + random.uniform(1.5, 4) * u + random.in_cube(0.2),
+                        random.covariance(0.03, 0.15), 5};
+    const Ray ray{origin, origin + random.uniform(0.5, 9) * u};  // its end does not matter here
+    const Approach found = closest_approach(ray, leaf);
+    const Approach best = sampled_approach(ray, leaf, 6, 20000);
+    EXPECT_GE(found.likelihood, best.likelihood * (1 - 1e-9));
+    EXPECT_NEAR(found.likelihood, best.likelihood, 2e-5);
+    if (best.likelihood > 1e-3) {
+      EXPECT_NEAR(found.distance, best.distance, 4e-4);
+    }
+  }
+}
+
+/// A ray begins at the sensor: what lies behind the sensor was not looked at.
+TEST(ClosestApproach, StartsAtTheOrigin) {
+  const Gaussian leaf{Vector3d(-0.3, 0, 0), 0.01 * Matrix3d::Identity(), 5};
+  const Ray ray{Vector3d::Zero(), Vector3d(10, 0, 0)};
+  const Approach found = closest_approach(ray, leaf);
+  const Approach best = sampled_approach(ray, leaf, 10, 1000);
+  EXPECT_GE(found.distance, 0);
+  EXPECT_NEAR(found.likelihood, best.likelihood, 1e-9);
+}
+
+TEST(PlaneOf, FindsTheThinDirection) {
+  Random random(7);
+  for (int i = 0; i < 1000; ++i) {
+    const Matrix3d axes = random.rotation();
+    const double thin = random.uniform(0.002, 0.02);
+    const double across = random.uniform(0.05, 0.1);
+    const Vector3d variance(thin * thin, across * across, 0.0144);
+    const Plane plane = plane_of({Vector3d(1, 2, 3), axes * variance.asDiagonal() * axes.transpose(), 5});
+    EXPECT_TRUE(plane.flat);
+    EXPECT_NEAR(std::abs(plane.normal.dot(axes.col(0))), 1, 1e-9);
+    EXPECT_NEAR(plane.sigma / thin, 1, 1e-6);
+  }
+}
+
+TEST(PlaneOf, IsFlatOnlyBelowAFifthOfTheMiddleVariance) {
+  EXPECT_TRUE(plane_of({Vector3d::Zero(), Vector3d(0.0199, 0.1, 0.2).asDiagonal(), 5}).flat);
+  EXPECT_FALSE(plane_of({Vector3d::Zero(), Vector3d(0.0201, 0.1, 0.2).asDiagonal(), 5}).flat);
+  EXPECT_FALSE(plane_of({Vector3d::Zero(), Vector3d(0.01, 0.01, 0.2).asDiagonal(), 5}).flat);  // a pole
+}
+
+/// A patch of ground at the origin, 1 cm thick, and rays along x that pass it.
+class DefaultImpact : public ::testing::Test {
+ protected:
+  double of(const Ray& ray, double free_length = 1e9) const {
+    return impact(ground_, ray, {ray.end, 1e-4 * Matrix3d::Identity(), 5}, free_length, parameters_);
+  }
+
+  Gaussian ground_{Vector3d::Zero(), Vector3d(0.01, 0.01, 0.0001).asDiagonal(), 50};
+  Ray through_{Vector3d(-6, 0, 2), Vector3d(3, 0, -1)};          ///< through the mean, ends 1 m below
+  Ray grazing_{Vector3d(-10, 0, 0.02), Vector3d(10, 0, 0.015)};  ///< ends above the ground
+  UpdateParameters parameters_;
+};
+
+TEST_F(DefaultImpact, IsOneThroughTheMean) { EXPECT_NEAR(of(through_), 1, 1e-12); }
+
+TEST_F(DefaultImpact, RayThatEndsOnTheSameSideSaysNothing) {
+  EXPECT_EQ(of(grazing_), 0);
+  parameters_.surface_crossing = false;
+  EXPECT_NEAR(of(grazing_), closest_approach(grazing_, ground_).likelihood, 1e-12);
+  EXPECT_GT(of(grazing_), 0.1);
+}
+
+TEST_F(DefaultImpact, RayMustEndThreeSigmaBeyondThePlane) {
+  EXPECT_EQ(of({Vector3d(-6, 0, 0.06), Vector3d(2.9, 0, -0.029)}), 0);
+  EXPECT_GT(of({Vector3d(-6, 0, 0.06), Vector3d(3.1, 0, -0.031)}), 0);
+}
+
+TEST_F(DefaultImpact, CrossingIsAskedOfFlatLeavesOnly) {
+  ground_.covariance(2, 2) = 0.005;
+  EXPECT_NEAR(of(grazing_), closest_approach(grazing_, ground_).likelihood, 1e-12);
+  EXPECT_GT(of(grazing_), 0.9);
+}
+
+TEST_F(DefaultImpact, IncidenceWeightIsTheCosine) {
+  const Ray slanted{Vector3d(-2, 0.01, 2), Vector3d(1, 0.01, -1)};
+  const double full = of(slanted);
+  parameters_.incidence_weight = true;
+  EXPECT_NEAR(of(slanted), full * std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(of({Vector3d(0, 0, 2), Vector3d(0, 0, -1)}), 1, 1e-12);
+  ground_.covariance = 0.01 * Matrix3d::Identity();  // no plane, no angle
+  EXPECT_NEAR(of(slanted), closest_approach(slanted, ground_).likelihood, 1e-12);
+}
+
+TEST_F(DefaultImpact, SmallImpactsAreIgnored) {
+  const Ray beside{Vector3d(0.2, 0, 2), Vector3d(0.2, 0, -1)};  // 2 sigma off: exp(-2) = 0.135
+  EXPECT_NEAR(of(beside), std::exp(-2), 1e-9);
+  parameters_.least_impact = 0.14;
+  EXPECT_EQ(of(beside), 0);
+}
+
+TEST_F(DefaultImpact, SaysNothingBeyondTheFreeLength) {
+  const double distance = std::sqrt(40);  // to the mean
+  EXPECT_EQ(of(through_, distance - 1e-6), 0);
+  EXPECT_NEAR(of(through_, distance + 1e-6), 1, 1e-12);
+}
+
+TEST(PaperImpact, IsEquation5WhereTheBundleResemblesTheLeafMost) {
+  Random random(8);
+  UpdateParameters parameters = UpdateParameters::paper();
+  int seen[3] = {0, 0, 0};  // zero, between, one
+  for (int i = 0; i < 5000; ++i) {
+    Encounter e = random_encounter(random);
+    e.leaf.covariance = random.covariance(0.02, 0.15);
+    e.leaf.mean = e.ray.origin + 0.5 * (e.ray.end - e.ray.origin) + random.in_cube(0.3);
+    const auto t = static_cast<double>(std::min(1.0L, TravellingDivergence(e).minimum()));
+    const double length = e.ray.length();
+    for (const auto rule : {ImpactRule::kEquation5Inverse, ImpactRule::kEquation5Printed}) {
+      parameters.impact = rule;
+      const double expected = equation5(e.leaf, travelling(e, t), rule);
+      EXPECT_NEAR(impact(e.leaf, e.ray, e.bundle, length, parameters), expected, 1e-6);
+      EXPECT_EQ(impact(e.leaf, e.ray, e.bundle, t * length * (1 - 1e-6), parameters), 0);
+      ++seen[expected == 0 ? 0 : expected < 1 ? 1 : 2];
+    }
+  }
+  EXPECT_GT(std::min({seen[0], seen[1], seen[2]}), 100);
+}
+
+}  // namespace
+}  // namespace evermap

@@ -1,0 +1,326 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <support/random_geometry.hpp>
+#include <support/reference_update.hpp>
+#include <support/toy_scene.hpp>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <evermap/update/map_updater.hpp>
+
+namespace evermap {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Vector3d;
+using test::Random;
+using test::ReferenceLeaf;
+using test::ReferenceUpdate;
+using test::ToyScene;
+
+/// One way to run the update, and where.
+struct Mode {
+  std::string name;
+  UpdateParameters parameters;
+  std::optional<UpdateParameters> base;  ///< what it varies, if any
+  double edge = 0.4;                     ///< [m]
+  Vector3d place = Vector3d::Zero();     ///< [m]
+  int points = 900;                      ///< of each scan
+};
+
+void PrintTo(const Mode& mode, std::ostream* out) { *out << mode.name; }
+
+Mode varied(const std::string& name, const UpdateParameters& base,
+            const std::function<void(UpdateParameters&)>& change) {
+  Mode mode{name, base, base};
+  change(mode.parameters);
+  return mode;
+}
+
+using P = UpdateParameters;
+
+/// The default mode, each of its rules switched, and without the guards, which hide what some rules do.
+std::vector<Mode> default_modes() {
+  const UpdateParameters standard;
+  UpdateParameters bare;
+  bare.surface_guard = SurfaceGuard::kNone;
+  bare.surface_crossing = false;
+  bare.end_guard = 0;
+  return {
+      {"Default", standard, {}},
+      {"DefaultFineLeaves", standard, {}, 0.2},
+      {"DefaultDense", standard, {}, 0.4, Vector3d::Zero(), 4000},
+      {"DefaultFarAway", standard, {}, 0.4, Vector3d(1e6, -5e6, 500)},
+      varied("Equation5Inverse", standard, [](P& p) { p.impact = ImpactRule::kEquation5Inverse; }),
+      varied("Equation5Printed", standard, [](P& p) { p.impact = ImpactRule::kEquation5Printed; }),
+      varied("Maximum", standard, [](P& p) { p.combination = Combination::kMaximum; }),
+      varied("NoGuard", standard, [](P& p) { p.surface_guard = SurfaceGuard::kNone; }),
+      varied("CoplanarHit", standard, [](P& p) { p.surface_guard = SurfaceGuard::kCoplanarHit; }),
+      varied("SigmaPoints", standard, [](P& p) { p.difference = Difference::kSigmaPoints; }),
+      varied("Soft", standard, [](P& p) { p.difference = Difference::kSoft; }),
+      varied("Incidence", standard, [](P& p) { p.incidence_weight = true; }),
+      varied("AnyImpact", standard, [](P& p) { p.least_impact = 0; }),
+      varied("LittleDisplacement", standard, [](P& p) { p.displacement = 1; }),
+      varied("OneConfirmation", standard, [](P& p) { p.confirmations = 1; }),
+      varied("TwoConfirmations", standard, [](P& p) { p.confirmations = 2; }),
+      varied("ShortMemory", standard, [](P& p) { p.max_count = 5; }),
+      varied("HighClamp", standard, [](P& p) { p.max_log_odds = 10; }),
+      varied("NearOnly", standard, [](P& p) { p.lidar.min_range = 4, p.lidar.max_range = 15; }),
+      varied("CoarseSensor", standard, [](P& p) { p.lidar.range_sigma = 0.05; }),
+      {"Bare", bare, {}},
+      varied("BareCrossing", bare, [](P& p) { p.surface_crossing = true; }),
+      varied("BareEndGuard", bare, [](P& p) { p.end_guard = 1; }),
+      varied("BareIncidence", bare, [](P& p) { p.incidence_weight = true; }),
+      varied("BareCoplanarHit", bare, [](P& p) { p.surface_guard = SurfaceGuard::kCoplanarHit; }),
+      varied("BareReobserved", bare, [](P& p) { p.surface_guard = SurfaceGuard::kReobserved; }),
+      varied("BareSoft", bare, [](P& p) { p.difference = Difference::kSoft; }),
+  };
+}
+
+/// The paper's mode and each of its rules switched.
+std::vector<Mode> paper_modes() {
+  const UpdateParameters paper = UpdateParameters::paper();
+  return {
+      {"Paper", paper, {}},
+      {"PaperFineLeaves", paper, {}, 0.2},
+      {"PaperFarAway", paper, {}, 0.4, Vector3d(1e6, -5e6, 500)},
+      varied("PaperPrinted", paper, [](P& p) { p.impact = ImpactRule::kEquation5Printed; }),
+      varied("PaperClosestApproach", paper,
+             [](P& p) {
+               p.impact = ImpactRule::kClosestApproach;
+               p.difference = Difference::kNone;
+             }),
+      varied("PaperNoisyOr", paper, [](P& p) { p.combination = Combination::kNoisyOr; }),
+      varied("PaperReobserved", paper, [](P& p) { p.surface_guard = SurfaceGuard::kReobserved; }),
+      varied("PaperCoplanarHit", paper, [](P& p) { p.surface_guard = SurfaceGuard::kCoplanarHit; }),
+      varied("PaperSoft", paper, [](P& p) { p.difference = Difference::kSoft; }),
+      varied("PaperNoDifference", paper, [](P& p) { p.difference = Difference::kNone; }),
+      varied("PaperEndGuard", paper, [](P& p) { p.end_guard = 1; }),
+      varied("PaperThreeConfirmations", paper, [](P& p) { p.confirmations = 3; }),
+  };
+}
+
+AlignedBox3d box_at(double x, double y, double size, const Vector3d& place) {
+  const Vector3d corner = place + Vector3d(x, y, 0);
+  return {corner, corner + Vector3d(size, size, 1.5 * size)};
+}
+
+/// A drive past boxes of which some vanish and one appears after the third scan.
+struct Drive {
+  struct Stop {
+    Scan scan;
+    Pose T_map_sensor;
+    bool builds;  ///< the initial map, or an update
+  };
+  std::vector<Stop> stops;
+
+  Drive(const Vector3d& place, int points, std::uint64_t seed) {
+    Random random(seed);
+    const AlignedBox3d wall = box_at(20, -15, 30, place), stays = box_at(5, -2.5, 1, place);
+    const ToyScene before{place.z(), {wall, stays, box_at(4, -0.6, 1.1, place), box_at(6.5, 1, 1.4, place)}};
+    const ToyScene after{place.z(), {wall, stays, box_at(8, -0.3, 1, place)}};
+    for (int i = 0; i < 10; ++i) {
+      Pose T_map_sensor;
+      T_map_sensor.rotation =
+          Eigen::AngleAxisd(random.uniform(-0.1, 0.1), Vector3d::UnitZ()).toRotationMatrix();
+      T_map_sensor.translation = place + Vector3d(0.15 * i + 0.013, random.uniform(-0.3, 0.3), 1.2);
+      const ToyScene& scene = i < 3 ? before : after;
+      stops.push_back({scene.scan(T_map_sensor, points, 0.02, random), T_map_sensor, i < 3});
+    }
+  }
+};
+
+/// What a comparison saw, so that it cannot pass by having seen nothing.
+struct Seen {
+  int compared = 0;
+  int ambiguous = 0;
+  int erased = 0;
+  int weakened = 0;
+};
+
+ReferenceLeaf read(const Octree& octree, VoxelKey key) {
+  const Leaf& leaf = *octree.find(key);
+  const Gaussian surface = octree.gaussian(key, leaf);
+  return {surface.mean, surface.covariance, surface.count, static_cast<double>(leaf.log_odds)};
+}
+
+void expect_close(const ReferenceLeaf& found, const ReferenceLeaf& expected, double edge) {
+  EXPECT_NEAR(found.log_odds, expected.log_odds, 1e-4);
+  EXPECT_LE((found.mean - expected.mean).norm(), 1e-4 * edge);
+  EXPECT_LE((found.covariance - expected.covariance).norm(), 1e-4 * expected.covariance.trace());
+  EXPECT_NEAR(found.count, expected.count, 1e-4 * expected.count);
+}
+
+/// Compares leaf by leaf. Where any outcome is right, the reference goes on with the map's.
+void compare(const Octree& octree, ReferenceUpdate& reference, Seen& seen) {
+  for (const VoxelKey key : reference.ambiguous) {
+    reference.leaves.erase(key);
+    if (octree.find(key)) reference.leaves[key] = read(octree, key);
+    ++seen.ambiguous;
+  }
+  ASSERT_EQ(octree.leaf_count(), reference.leaves.size());
+  for (const auto& [key, expected] : reference.leaves) {
+    ASSERT_NE(octree.find(key), nullptr) << key.voxel().transpose();
+    expect_close(read(octree, key), expected, octree.grid().edge);
+    if (::testing::Test::HasFailure()) FAIL() << "leaf " << key.voxel().transpose();
+    ++seen.compared;
+  }
+}
+
+class MapUpdaterMode : public ::testing::TestWithParam<Mode> {};
+
+TEST_P(MapUpdaterMode, EqualsTheReference) {
+  const Mode& mode = GetParam();
+  const VoxelGrid grid = VoxelGrid::around(mode.place, mode.edge);
+  Seen seen;
+  for (const std::uint64_t seed : {1, 2}) {
+    Octree octree(grid);
+    ReferenceUpdate reference(grid);
+    for (const Drive::Stop& stop : Drive(mode.place, mode.points, seed).stops) {
+      const auto before = reference.leaves;
+      if (stop.builds) {
+        add_scan(octree, stop.scan, stop.T_map_sensor, mode.parameters);
+        reference.add_scan(stop.scan, stop.T_map_sensor, mode.parameters);
+      } else {
+        update(octree, stop.scan, stop.T_map_sensor, mode.parameters);
+        reference.update(stop.scan, stop.T_map_sensor, mode.parameters);
+      }
+      compare(octree, reference, seen);
+      if (HasFatalFailure()) return;
+      for (const auto& [key, leaf] : before) {
+        const auto now = reference.leaves.find(key);
+        seen.erased += now == reference.leaves.end();
+        seen.weakened += now != reference.leaves.end() && now->second.log_odds < leaf.log_odds;
+      }
+    }
+  }
+  EXPECT_GT(seen.compared, 2000);
+  EXPECT_LT(seen.ambiguous, seen.compared / 20);
+  EXPECT_GT(seen.erased, 5);
+  EXPECT_GT(seen.weakened, 5);
+  RecordProperty("compared", seen.compared);
+  RecordProperty("ambiguous", seen.ambiguous);
+  RecordProperty("erased", seen.erased);
+  RecordProperty("weakened", seen.weakened);
+}
+
+std::vector<std::pair<VoxelKey, Leaf>> leaves_of(const Octree& octree) {
+  std::vector<std::pair<VoxelKey, Leaf>> leaves;
+  octree.for_each_leaf([&](VoxelKey key, const Leaf& leaf) { leaves.emplace_back(key, leaf); });
+  return leaves;
+}
+
+bool same_bits(const std::pair<VoxelKey, Leaf>& a, const std::pair<VoxelKey, Leaf>& b) {
+  static_assert(sizeof(Leaf) == 11 * sizeof(float), "padding would make bytes differ");
+  return a.first == b.first && std::memcmp(&a.second, &b.second, sizeof(Leaf)) == 0;
+}
+
+Octree driven(const Mode& mode, const UpdateParameters& parameters) {
+  Octree octree(VoxelGrid::around(mode.place, mode.edge));
+  for (const Drive::Stop& stop : Drive(mode.place, mode.points, 1).stops) {
+    (stop.builds ? add_scan : update)(octree, stop.scan, stop.T_map_sensor, parameters);
+  }
+  return octree;
+}
+
+/// Otherwise the comparison above would not have tested the switch.
+TEST_P(MapUpdaterMode, MattersInThisDrive) {
+  const Mode& mode = GetParam();
+  if (!mode.base) return;
+  const auto base = leaves_of(driven(mode, *mode.base));
+  const auto found = leaves_of(driven(mode, mode.parameters));
+  EXPECT_FALSE(std::equal(base.begin(), base.end(), found.begin(), found.end(), same_bits));
+}
+
+INSTANTIATE_TEST_SUITE_P(Default, MapUpdaterMode, ::testing::ValuesIn(default_modes()),
+                         [](const auto& instance) { return instance.param.name; });
+INSTANTIATE_TEST_SUITE_P(Paper, MapUpdaterMode, ::testing::ValuesIn(paper_modes()),
+                         [](const auto& instance) { return instance.param.name; });
+
+TEST(MapUpdater, IsBitIdenticalForAnyNumberOfThreads) {
+  UpdateParameters soft;
+  soft.difference = Difference::kSoft;
+  const Drive drive(Vector3d::Zero(), 8000, 3);
+  for (const UpdateParameters& parameters : {UpdateParameters{}, UpdateParameters::paper(), soft}) {
+    std::vector<std::pair<VoxelKey, Leaf>> alone;
+    for (const int threads : {1, 2, 3, 8}) {
+      const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
+                                              static_cast<std::size_t>(threads));
+      oneapi::tbb::task_arena arena(threads);
+      Octree octree(VoxelGrid{0.2});
+      arena.execute([&] {
+        for (const Drive::Stop& stop : drive.stops) {
+          (stop.builds ? add_scan : update)(octree, stop.scan, stop.T_map_sensor, parameters);
+        }
+      });
+      const auto leaves = leaves_of(octree);
+      EXPECT_GT(leaves.size(), 1000U);
+      if (threads == 1) alone = leaves;
+      EXPECT_TRUE(std::equal(leaves.begin(), leaves.end(), alone.begin(), alone.end(), same_bits)) << threads;
+    }
+  }
+}
+
+TEST(MapUpdater, SummaryAccountsForEveryPoint) {
+  Scan scan;
+  scan.p_sensor = {{0.1, 0, 0}, {300, 0, 0}, {0, 400, 0}, {3, 0, 0}, {3.01, 0, 0}, {5, 5, 0}, {0, 0, 190}};
+  Pose high;
+  high.translation.z() = 0.2 * VoxelKey::kMaxZ - 150;
+  for (const auto verb : {add_scan, update}) {
+    Octree octree(VoxelGrid{0.2});
+    const ScanSummary summary = verb(octree, scan, high, {});
+    EXPECT_EQ(summary.points, 7U);
+    EXPECT_EQ(summary.bundles, 2U);
+    EXPECT_EQ(summary.dropped_near, 1U);
+    EXPECT_EQ(summary.dropped_far, 2U);
+    EXPECT_EQ(summary.dropped_out_of_grid, 1U);
+    EXPECT_EQ(octree.leaf_count(), 2U);
+  }
+}
+
+TEST(AddScan, OccupiesAtOnceAndContradictsNothing) {
+  Scan wall_far, wall_near;
+  for (int i = 0; i < 50; ++i) {
+    wall_near.p_sensor.emplace_back(4.1, 0.05 * i - 1.2, 0.1);
+    wall_far.p_sensor.emplace_back(8.1, 0.1 * i - 2.4, 0.2);
+  }
+  Octree octree(VoxelGrid{0.2});
+  add_scan(octree, wall_near, {}, {});
+  const std::size_t near = octree.leaf_count();
+  octree.for_each_leaf([](VoxelKey, const Leaf& leaf) { EXPECT_TRUE(leaf.occupied()); });
+  add_scan(octree, wall_far, {}, {});
+  std::size_t kept = 0;
+  octree.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
+    EXPECT_FLOAT_EQ(leaf.log_odds, 2.197F);
+    kept += octree.grid().center(key).x() < 5;
+  });
+  EXPECT_EQ(kept, near);
+  // The update would have erased it in time: the rays behind it pass straight through.
+  for (int i = 0; i < 4; ++i) update(octree, wall_far, {}, {});
+  kept = 0;
+  octree.for_each_leaf([&](VoxelKey key, const Leaf&) { kept += octree.grid().center(key).x() < 5; });
+  EXPECT_LT(kept, near);
+}
+
+TEST(Update, EmptyScanChangesNothing) {
+  Octree octree(VoxelGrid{0.2});
+  add_scan(octree, Drive(Vector3d::Zero(), 500, 4).stops[0].scan, {}, {});
+  const auto before = leaves_of(octree);
+  const ScanSummary summary = update(octree, {}, {}, {});
+  EXPECT_EQ(summary.points, 0U);
+  const auto after = leaves_of(octree);
+  EXPECT_TRUE(std::equal(before.begin(), before.end(), after.begin(), after.end(), same_bits));
+}
+
+}  // namespace
+}  // namespace evermap
