@@ -15,5 +15,6 @@ function(evermap_module name)
   list(TRANSFORM ARG_DEPENDS PREPEND evermap_)
   target_link_libraries(evermap_${name} PUBLIC ${ARG_DEPENDS} ${ARG_LINKS}
     PRIVATE $<BUILD_INTERFACE:evermap_warnings> ${ARG_PRIVATE_LINKS})
-  set_property(GLOBAL APPEND PROPERTY EVERMAP_MODULES evermap_${name})
+  install(TARGETS evermap_${name} EXPORT evermap_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  set_property(GLOBAL APPEND PROPERTY EVERMAP_MODULES ${name})
 endfunction()

@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include <fmt/core.h>
+
+#include "options.hpp"
+#include "report.hpp"
+#include "verbs.hpp"
+#include <evermap/io/cloud.hpp>
+#include <evermap/io/io_error.hpp>
+#include <evermap/io/map_file.hpp>
+
+namespace evermap {
+namespace {
+
+struct Options {
+  std::filesystem::path cloud;
+  std::filesystem::path map;
+  double leaf = 0;  ///< [m]
+  ParameterOptions parameters;
+  bool as_json = false;
+};
+
+/// A point in the middle of the cloud, which a few stray points do not move. REQUIRES: the scan has points.
+Eigen::Vector3d median(const Scan& cloud, const Pose& T_map_cloud) {
+  Eigen::Vector3d result;
+  std::vector<double> values(cloud.p_sensor.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    std::transform(cloud.p_sensor.begin(), cloud.p_sensor.end(), values.begin(),
+                   [&](const Eigen::Vector3d& p) { return (T_map_cloud * p)[axis]; });
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    result[axis] = *middle;
+  }
+  return result;
+}
+
+void run(const Options& options) {
+  check_leaf(options.leaf);
+  const UpdateParameters parameters = parameters_of(options.parameters);
+  check_writable(options.map);
+  const Scan cloud = read_cloud(options.cloud);
+  const Pose T_map_cloud = cloud.T_map_sensor.value_or(Pose{});
+  if (cloud.p_sensor.empty()) check_any_used(PointCounts(cloud, {}), options.cloud);
+  Octree octree(VoxelGrid::around(median(cloud, T_map_cloud), options.leaf));
+  const PointCounts points(cloud, add_cloud(octree, cloud, T_map_cloud, parameters));
+  check_any_used(points, options.cloud);
+  save_map(options.map, octree);
+  if (options.as_json) {
+    fmt::print(
+        "{}",
+        dump({{"map", options.map.string()}, {"leaves", octree.leaf_count()}, {"points", to_json(points)}}));
+  } else {
+    fmt::print("map      {}\nleaves   {}\n{}", options.map.string(), octree.leaf_count(), to_text(points));
+  }
+}
+
+}  // namespace
+
+void add_import(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("import", "Make a map from a point cloud, all of which is trusted");
+  const auto options = std::make_shared<Options>();
+  verb->add_option("CLOUD", options->cloud, "Cloud in the map frame: .bin, .pcd or .ply")->required();
+  verb->add_option("-o,--output", options->map, "Map to write")->required()->type_name("MAP.evm");
+  add_leaf_option(*verb, options->leaf);
+  add_config_option(*verb, options->parameters);
+  add_json_option(*verb, options->as_json);
+  verb->callback([options] { run(*options); });
+}
+
+}  // namespace evermap

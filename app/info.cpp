@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "options.hpp"
+#include "report.hpp"
+#include "verbs.hpp"
+#include <evermap/io/map_file.hpp>
+
+namespace evermap {
+namespace {
+
+struct Options {
+  std::filesystem::path map;
+  bool as_json = false;
+};
+
+struct Box {
+  Eigen::Vector3d least;     ///< [m] map frame
+  Eigen::Vector3d greatest;  ///< [m] map frame
+};
+
+/// Around the voxels of all leaves. REQUIRES: there is one.
+Box extent(const Octree& octree) {
+  Eigen::Array3i least = Eigen::Array3i::Constant(std::numeric_limits<int>::max());
+  Eigen::Array3i greatest = -least;
+  octree.for_each_leaf([&](VoxelKey key, const Leaf&) {
+    least = least.min(key.voxel().array());
+    greatest = greatest.max(key.voxel().array());
+  });
+  const Eigen::Vector3d half_voxel = Eigen::Vector3d::Constant(octree.grid().edge / 2);
+  return {octree.grid().center(least) - half_voxel, octree.grid().center(greatest) + half_voxel};
+}
+
+std::vector<double> to_vector(const Eigen::Vector3d& v) { return {v.begin(), v.end()}; }
+
+void print_json(const Options& options, const Octree& octree) {
+  const LeafCounts leaves(octree);
+  Json json = {{"map", options.map.string()},
+               {"leaf_edge_m", octree.grid().edge},
+               {"grid_origin_m", to_vector(octree.grid().origin)},
+               {"leaves", {{"occupied", leaves.occupied}, {"pending", leaves.pending}}},
+               {"extent_m", nullptr},
+               {"file_bytes", std::filesystem::file_size(options.map)},
+               {"memory_bytes", octree.memory_bytes()}};
+  if (!octree.empty()) {
+    const Box box = extent(octree);
+    json["extent_m"] = {{"least", to_vector(box.least)}, {"greatest", to_vector(box.greatest)}};
+  }
+  fmt::print("{}", dump(json));
+}
+
+void print_text(const Options& options, const Octree& octree) {
+  const LeafCounts leaves(octree);
+  const Eigen::Vector3d& origin = octree.grid().origin;
+  fmt::print(
+      "map      {}\nleaf     {} m\norigin   {:.3f} {:.3f} {:.3f} m\nleaves   {} occupied, {} pending\n",
+      options.map.string(), octree.grid().edge, origin.x(), origin.y(), origin.z(), leaves.occupied,
+      leaves.pending);
+  if (!octree.empty()) {
+    const auto [least, greatest] = extent(octree);
+    fmt::print("extent   x {:.2f} to {:.2f} m, y {:.2f} to {:.2f} m, z {:.2f} to {:.2f} m\n", least.x(),
+               greatest.x(), least.y(), greatest.y(), least.z(), greatest.z());
+  }
+  fmt::print("size     {:.1f} MB in the file, {:.1f} MB in memory\n",
+             1e-6 * static_cast<double>(std::filesystem::file_size(options.map)),
+             1e-6 * static_cast<double>(octree.memory_bytes()));
+}
+
+void run(const Options& options) {
+  const Octree octree = load_map(options.map);
+  options.as_json ? print_json(options, octree) : print_text(options, octree);
+}
+
+}  // namespace
+
+void add_info(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("info", "Check a map and say what is in it");
+  const auto options = std::make_shared<Options>();
+  verb->add_option("MAP.evm", options->map, "Map to read")->required();
+  add_json_option(*verb, options->as_json);
+  verb->callback([options] { run(*options); });
+}
+
+}  // namespace evermap

@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "options.hpp"
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "parameters_file.hpp"
+#include <evermap/io/atomic_file.hpp>
+#include <evermap/io/map_file.hpp>
+
+namespace evermap {
+
+void add_mode_option(CLI::App& verb, ParameterOptions& options) {
+  verb.add_option("--mode", options.mode, "Whose rules: evermap's, or the paper's as printed")
+      ->check(CLI::IsMember({"default", "paper"}))
+      ->capture_default_str();
+}
+
+void add_config_option(CLI::App& verb, ParameterOptions& options) {
+  verb.add_option("--config", options.config, "Parameters; evermap config prints all")
+      ->type_name("FILE.yaml");
+}
+
+void add_range_options(CLI::App& verb, ParameterOptions& options) {
+  const LidarParameters defaults;
+  verb.add_option("--min-range", options.min_range, "Nearer points are not used")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("M")
+      ->default_str(fmt::format("{}", defaults.min_range));
+  verb.add_option("--max-range", options.max_range, "Farther points are not used")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("M")
+      ->default_str(fmt::format("{}", defaults.max_range));
+}
+
+UpdateParameters parameters_of(const ParameterOptions& options) {
+  UpdateParameters parameters = options.mode == "paper" ? UpdateParameters::paper() : UpdateParameters{};
+  if (!options.config.empty()) read_parameters(options.config, parameters);
+  LidarParameters& lidar = parameters.lidar;
+  lidar.min_range = options.min_range.value_or(lidar.min_range);
+  lidar.max_range = options.max_range.value_or(lidar.max_range);
+  if (lidar.min_range < lidar.max_range) return parameters;
+  throw std::runtime_error(fmt::format("min range {} m is not below max range {} m; no point would be used",
+                                       lidar.min_range, lidar.max_range));
+}
+
+void add_run_options(CLI::App& verb, RunOptions& options) {
+  verb.add_option("SCANS", options.scans, "Folder of .bin, .pcd or .ply files, or one of them")->required();
+  verb.add_option("--poses", options.poses, "Poses of the sensor in the map, one per scan (TUM or KITTI)")
+      ->required()
+      ->type_name("FILE");
+  verb.add_option("--threads", options.threads, "Threads to use")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N")
+      ->default_str("all cores");
+}
+
+void add_leaf_option(CLI::App& verb, double& leaf) {
+  verb.add_option("-r,--resolution", leaf,
+                  fmt::format("Leaf edge, {} to {} m", kLeastLeafEdge, kGreatestLeafEdge))
+      ->required()
+      ->type_name("M");
+}
+
+void check_leaf(double leaf) {
+  if (is_leaf_edge(leaf)) return;
+  throw std::runtime_error(fmt::format("a leaf edge of {} m is out of range; choose {} to {} m", leaf,
+                                       kLeastLeafEdge, kGreatestLeafEdge));
+}
+
+void add_json_option(CLI::App& verb, bool& as_json) {
+  verb.add_flag("--json", as_json, "Print the result as one JSON object");
+}
+
+void check_writable(const std::filesystem::path& file) { AtomicFile never_committed(file); }
+
+}  // namespace evermap

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include <evermap/update/parameters.hpp>
+
+namespace evermap {
+
+/// Where an update's parameters come from: the mode's defaults, then the file, then the options.
+struct ParameterOptions {
+  std::string mode = "default";
+  std::filesystem::path config;     ///< empty when not given
+  std::optional<double> min_range;  ///< [m]
+  std::optional<double> max_range;  ///< [m]
+};
+void add_mode_option(CLI::App& verb, ParameterOptions& options);
+void add_config_option(CLI::App& verb, ParameterOptions& options);
+void add_range_options(CLI::App& verb, ParameterOptions& options);
+/// Throws IoError when the file is wrong, std::runtime_error when the ranges exclude every point.
+UpdateParameters parameters_of(const ParameterOptions& options);
+
+/// The scans that a verb works through, and with how many threads.
+struct RunOptions {
+  std::filesystem::path scans;
+  std::filesystem::path poses;
+  int threads = 0;  ///< 0: one per core
+};
+void add_run_options(CLI::App& verb, RunOptions& options);
+
+void add_leaf_option(CLI::App& verb, double& leaf);
+/// Throws std::runtime_error when the leaf edge [m] is out of range.
+void check_leaf(double leaf);
+
+void add_json_option(CLI::App& verb, bool& as_json);
+
+/// Fails now, instead of after a long run, when `file` cannot be written. Throws IoError.
+void check_writable(const std::filesystem::path& file);
+
+}  // namespace evermap

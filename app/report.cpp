@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace evermap {
+namespace {
+
+struct Spread {
+  double mean = 0, median = 0, p99 = 0, max = 0;  ///< [s]
+
+  explicit Spread(std::vector<double> times) {
+    if (times.empty()) return;
+    std::sort(times.begin(), times.end());
+    const auto size = static_cast<double>(times.size());
+    const auto quantile = [&](double share) {  // nearest rank
+      return times[static_cast<std::size_t>(std::ceil(share * size)) - 1];
+    };
+    mean = std::accumulate(times.begin(), times.end(), 0.0) / size;
+    median = quantile(0.5);
+    p99 = quantile(0.99);
+    max = times.back();
+  }
+};
+
+Json to_json(const Spread& times) {
+  return {{"mean", times.mean}, {"median", times.median}, {"p99", times.p99}, {"max", times.max}};
+}
+
+std::string to_text(const Spread& times) {
+  return fmt::format("mean {:.1f} ms, median {:.1f} ms, 99 % {:.1f} ms, max {:.1f} ms", 1e3 * times.mean,
+                     1e3 * times.median, 1e3 * times.p99, 1e3 * times.max);
+}
+
+}  // namespace
+
+LeafCounts::LeafCounts(const Octree& octree) {
+  octree.for_each_leaf([&](VoxelKey, const Leaf& leaf) { ++(leaf.occupied() ? occupied : pending); });
+}
+
+Json to_json(const PointCounts& points) {
+  return {{"total", points.total},
+          {"used", points.used},
+          {"dropped",
+           {{"not_finite", points.not_finite},
+            {"at_origin", points.at_origin},
+            {"nearer_than_min_range", points.near},
+            {"farther_than_max_range", points.far},
+            {"beyond_the_grid", points.out_of_grid}}}};
+}
+
+Json to_json(const Run& run) {
+  return {{"scans",
+           {{"done", run.scans_done}, {"total", run.scans_total}, {"interrupted", run.was_interrupted()}}},
+          {"points", to_json(run.points)},
+          {"seconds_per_scan", {{"wall", to_json(Spread(run.wall))}, {"cpu", to_json(Spread(run.cpu))}}}};
+}
+
+Json to_json(const ChangeReport& report) {
+  Json json = {{"map", report.map.string()},
+               {"leaves",
+                {{"before", report.before.occupied},
+                 {"after", report.after.occupied},
+                 {"added", report.difference.added.size()},
+                 {"removed", report.difference.removed.size()},
+                 {"moved", report.difference.moved.size()},
+                 {"pending", report.after.pending}}}};
+  json.update(to_json(report.run));
+  return json;
+}
+
+std::string to_text(const PointCounts& points) {
+  return fmt::format(
+      "points   {} of {} used\n"
+      "dropped  {} not finite, {} at the origin, {} nearer than min range, {} farther than max range, "
+      "{} beyond the grid\n",
+      points.used, points.total, points.not_finite, points.at_origin, points.near, points.far,
+      points.out_of_grid);
+}
+
+std::string to_text(const Run& run) {
+  const std::string interrupted = run.was_interrupted() ? fmt::format("interrupted after {} of {} scans\n",
+                                                                      run.scans_done, run.scans_total)
+                                                        : "";
+  return interrupted + fmt::format("scans    {} of {}\n", run.scans_done, run.scans_total) +
+         to_text(run.points) + "wall     per scan: " + to_text(Spread(run.wall)) + "\n" +
+         "CPU      per scan: " + to_text(Spread(run.cpu)) + "\n";
+}
+
+std::string to_text(const ChangeReport& report) {
+  const MapDifference& difference = report.difference;
+  return fmt::format(
+             "map      {}\n"
+             "leaves   {} before, {} after: {} added, {} removed, {} moved; {} more pending\n",
+             report.map.string(), report.before.occupied, report.after.occupied, difference.added.size(),
+             difference.removed.size(), difference.moved.size(), report.after.pending) +
+         to_text(report.run);
+}
+
+std::string dump(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+}  // namespace evermap

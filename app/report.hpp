@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "run.hpp"
+#include <evermap/map/map_difference.hpp>
+#include <evermap/map/octree.hpp>
+
+namespace evermap {
+
+using Json = nlohmann::ordered_json;
+
+/// Leaves of a map by what is known of them.
+struct LeafCounts {
+  std::size_t occupied = 0;
+  std::size_t pending = 0;
+
+  explicit LeafCounts(const Octree& octree);
+};
+
+/// What an update did, for people and for machines.
+struct ChangeReport {
+  std::filesystem::path map;  ///< written
+  Run run;
+  LeafCounts before;
+  LeafCounts after;
+  MapDifference difference;
+};
+
+Json to_json(const PointCounts& points);
+Json to_json(const Run& run);
+Json to_json(const ChangeReport& report);
+
+std::string to_text(const PointCounts& points);
+std::string to_text(const Run& run);
+std::string to_text(const ChangeReport& report);
+
+/// With a line break at the end; what is no UTF-8 (in a path, say) is replaced.
+std::string dump(const Json& json);
+
+}  // namespace evermap

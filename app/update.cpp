@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+#include <system_error>
+
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include "birds_eye.hpp"
+#include "options.hpp"
+#include "report.hpp"
+#include "verbs.hpp"
+#include <evermap/io/atomic_file.hpp>
+#include <evermap/io/io_error.hpp>
+#include <evermap/io/map_file.hpp>
+
+namespace evermap {
+namespace {
+
+struct Options {
+  std::filesystem::path map;
+  RunOptions run;
+  std::filesystem::path output;
+  ParameterOptions parameters;
+  std::filesystem::path report;  ///< folder; empty when not asked for
+  bool as_json = false;
+};
+
+void prepare_outputs(const Options& options) {
+  check_writable(options.output);
+  if (options.report.empty()) return;
+  std::error_code error;
+  std::filesystem::create_directories(options.report, error);
+  if (error) throw IoError(options.report, "the folder cannot be made: " + error.message());
+  check_writable(options.report / "report.json");
+}
+
+void write_report(const std::filesystem::path& folder, const ChangeReport& report, const Octree& before,
+                  const Octree& after) {
+  AtomicFile file(folder / "report.json");
+  file.write(dump(to_json(report)));
+  file.commit();
+  // Whoever interrupts waits for the end: of a large map, pictures take longer than saving it.
+  if (!report.run.was_interrupted()) write_pictures(folder, before, after, report.difference);
+}
+
+void run(const Options& options) {
+  const UpdateParameters parameters = parameters_of(options.parameters);
+  prepare_outputs(options);
+  PosedScans scans(options.run.scans, options.run.poses);
+  Octree octree = load_map(options.map);
+  spdlog::info("{}: {} leaves", options.map.string(), octree.leaf_count());
+  const Octree before = octree;
+  const Run run = run_over(scans, options.run.threads, [&](const Scan& scan, const Pose& T_map_sensor) {
+    return update(octree, scan, T_map_sensor, parameters);
+  });
+  save_map(options.output, octree);
+  const ChangeReport report{options.output, run, LeafCounts(before), LeafCounts(octree),
+                            compare(before, octree)};
+  if (!options.report.empty()) write_report(options.report, report, before, octree);
+  fmt::print("{}", options.as_json ? dump(to_json(report)) : to_text(report));
+}
+
+}  // namespace
+
+void add_update(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("update", "Bring a map up to date with posed scans");
+  const auto options = std::make_shared<Options>();
+  verb->add_option("MAP.evm", options->map, "Map to start from")->required();
+  add_run_options(*verb, options->run);
+  verb->add_option("-o,--output", options->output, "Map to write; may be the one to start from")
+      ->required()
+      ->type_name("OUT.evm");
+  add_mode_option(*verb, options->parameters);
+  add_range_options(*verb, options->parameters);
+  add_config_option(*verb, options->parameters);
+  verb->add_option("--report", options->report,
+                   "Folder for report.json and pictures of before, after and the change")
+      ->type_name("DIR");
+  add_json_option(*verb, options->as_json);
+  verb->callback([options] { run(*options); });
+}
+
+}  // namespace evermap

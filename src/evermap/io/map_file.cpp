@@ -1,0 +1,263 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include <xxhash.h>
+
+#include <evermap/io/atomic_file.hpp>
+#include <evermap/io/input_file.hpp>
+#include <evermap/io/map_file.hpp>
+
+namespace evermap {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the records below are copied as they stand");
+
+constexpr std::string_view kMagic =
+    "\x89"
+    "EVM\r\n\x1a\n";  // as PNG's: damaged by whatever alters text
+constexpr std::string_view kEndMark = "EVM-END\n";
+constexpr int kBlockBits = 46;  // of a block's key
+constexpr int kLeafBits = 18;   // of a leaf's key within its block
+
+struct Header {
+  std::array<char, 8> magic;
+  std::uint32_t format;
+  std::uint32_t record_size;  ///< [bytes]
+  double edge;                ///< [m]
+  double origin[3];           ///< [m] map frame
+  std::uint64_t leaves;
+  std::uint64_t blocks;
+  std::uint64_t checksum;  ///< of all above
+};
+static_assert(sizeof(Header) == 72);
+
+struct BlockHeader {
+  std::uint64_t key;
+  std::uint32_t leaves;
+  std::uint32_t payload_size;  ///< [bytes] of the records that follow
+};
+static_assert(sizeof(BlockHeader) == 16);
+
+struct Record {
+  std::uint32_t key_in_block;
+  float mean_in_voxel[3];  ///< [m] from the voxel's centre
+  float covariance[6];     ///< [m^2] xx xy xz yy yz zz
+  float count;
+  float log_odds;
+};
+static_assert(sizeof(Record) == 48);
+
+using Checksum = std::uint64_t;
+
+Checksum checksum(std::string_view bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
+
+template <class T>
+std::string_view bytes_of(const T& value) {
+  return {reinterpret_cast<const char*>(&value), sizeof(value)};
+}
+
+template <class T>
+T take(std::string_view bytes, std::size_t offset) {
+  T value;
+  std::memcpy(&value, bytes.data() + offset, sizeof(T));
+  return value;
+}
+
+Record to_record(VoxelKey key, const Leaf& leaf) {
+  Record record{};
+  record.key_in_block = static_cast<std::uint32_t>(key.bits() & ((1U << kLeafBits) - 1));
+  std::copy_n(leaf.mean_in_voxel.data(), 3, record.mean_in_voxel);
+  std::copy_n(leaf.covariance.data(), 6, record.covariance);
+  record.count = leaf.count;
+  record.log_odds = leaf.log_odds;
+  return record;
+}
+
+Leaf to_leaf(const Record& record) {
+  Leaf leaf;
+  std::copy_n(record.mean_in_voxel, 3, leaf.mean_in_voxel.data());
+  std::copy_n(record.covariance, 6, leaf.covariance.data());
+  leaf.count = record.count;
+  leaf.log_odds = record.log_odds;
+  return leaf;
+}
+
+bool is_sound(const Record& record) {
+  const auto finite = [](float value) { return std::isfinite(value); };
+  return std::all_of(record.mean_in_voxel, record.mean_in_voxel + 3, finite) &&
+         std::all_of(record.covariance, record.covariance + 6, finite) && std::isfinite(record.count) &&
+         record.count > 0 && std::isfinite(record.log_odds);
+}
+
+std::uint64_t count_blocks(const Octree& octree) {
+  std::uint64_t blocks = 0;
+  std::uint64_t last = std::numeric_limits<std::uint64_t>::max();
+  octree.for_each_leaf([&](VoxelKey key, const Leaf&) {
+    blocks += key.block() != last;
+    last = key.block();
+  });
+  return blocks;
+}
+
+Header header_of(const Octree& octree) {
+  const VoxelGrid& grid = octree.grid();
+  Header header{{}, kMapFormat, sizeof(Record), grid.edge, {}, octree.leaf_count(), count_blocks(octree), 0};
+  std::copy(kMagic.begin(), kMagic.end(), header.magic.begin());
+  std::copy_n(grid.origin.data(), 3, header.origin);
+  header.checksum = checksum(bytes_of(header).substr(0, sizeof(Header) - sizeof(Checksum)));
+  return header;
+}
+
+/// Gathers the leaves of one block, then writes them as one section.
+class BlockWriter {
+ public:
+  explicit BlockWriter(AtomicFile& file) : file_(file) {}
+
+  void add(VoxelKey key, const Record& record) {
+    if (section_.empty() || key.block() != block_) {
+      flush();
+      block_ = key.block();
+      section_.assign(sizeof(BlockHeader), '\0');
+    }
+    section_ += bytes_of(record);
+  }
+
+  void flush() {
+    if (section_.empty()) return;
+    const auto payload = static_cast<std::uint32_t>(section_.size() - sizeof(BlockHeader));
+    const BlockHeader header{block_, payload / static_cast<std::uint32_t>(sizeof(Record)), payload};
+    std::memcpy(section_.data(), &header, sizeof(header));
+    file_.write(section_);
+    file_.write(bytes_of(checksum(section_)));
+    section_.clear();
+  }
+
+ private:
+  AtomicFile& file_;
+  std::uint64_t block_ = 0;
+  std::string section_;
+};
+
+/// Takes a map file apart, section by section, and lets nothing pass that was not written.
+class MapReader {
+ public:
+  explicit MapReader(const std::filesystem::path& path) : file_(path), header_(read_header()) {}
+
+  Octree read() {
+    Octree octree({header_.edge, Eigen::Map<const Eigen::Vector3d>(header_.origin)});
+    for (block_ = 0; block_ < header_.blocks; ++block_) read_block(octree);
+    if (bytes().substr(offset_, kEndMark.size()) != kEndMark) fail("the mark of the map's end is missing");
+    offset_ += kEndMark.size();
+    if (offset_ != bytes().size())
+      fail(std::to_string(bytes().size() - offset_) + " bytes follow the map's end");
+    if (octree.leaf_count() != header_.leaves) {
+      fail("holds " + std::to_string(octree.leaf_count()) + " leaves, the header says " +
+           std::to_string(header_.leaves));
+    }
+    return octree;
+  }
+
+ private:
+  std::string_view bytes() const { return file_.bytes(); }
+
+  [[noreturn]] void fail(const std::string& what) const {
+    file_.fail_at_byte(offset_, what + "; the map is damaged, restore it from a copy");
+  }
+  [[noreturn]] void fail_in_block(std::size_t offset, const std::string& what) const {
+    file_.fail_at_byte(offset, "block " + std::to_string(block_ + 1) + " of " +
+                                   std::to_string(header_.blocks) + ": " + what +
+                                   "; the map is damaged, restore it from a copy");
+  }
+
+  Header read_header() {
+    if (!bytes().starts_with(kMagic)) file_.fail_at_byte(0, "is no evermap map (.evm)");
+    if (bytes().size() < sizeof(Header)) fail("ends inside the header");
+    const auto header = take<Header>(bytes(), 0);
+    if (header.format > kMapFormat) {
+      file_.fail_at_byte(offsetof(Header, format),
+                         "made by a newer evermap: format " + std::to_string(header.format) +
+                             ", this program reads up to " + std::to_string(kMapFormat) + "; update evermap");
+    }
+    const std::size_t checked = sizeof(Header) - sizeof(Checksum);
+    if (header.checksum != checksum(bytes().substr(0, checked))) fail("the header's checksum does not fit");
+    if (header.format != kMapFormat || header.record_size != sizeof(Record))
+      fail("the header makes no sense");
+    const bool is_finite =
+        std::all_of(header.origin, header.origin + 3, [](double x) { return std::isfinite(x); });
+    if (!is_leaf_edge(header.edge) || !is_finite) fail("the header's grid makes no sense");
+    offset_ = sizeof(Header);
+    return header;
+  }
+
+  void read_block(Octree& octree) {
+    const std::size_t rest = bytes().size() - offset_;
+    if (rest < sizeof(BlockHeader)) fail_in_block(offset_, "the file ends before it");
+    const auto block = take<BlockHeader>(bytes(), offset_);
+    if (block.payload_size != block.leaves * sizeof(Record))
+      fail_in_block(offset_, "its size makes no sense");
+    if (rest - sizeof(BlockHeader) < block.payload_size + sizeof(Checksum)) {
+      fail_in_block(offset_, "the file ends inside it");
+    }
+    const std::size_t size = sizeof(BlockHeader) + block.payload_size;
+    if (take<Checksum>(bytes(), offset_ + size) != checksum(bytes().substr(offset_, size))) {
+      fail_in_block(offset_, "its checksum does not fit");
+    }
+    const bool ascends = block_ == 0 || block.key > last_block_key_;
+    if (!ascends || block.key >> kBlockBits != 0 || block.leaves == 0) {
+      fail_in_block(offset_, "its key or number of leaves makes no sense");
+    }
+    last_block_key_ = block.key;
+    read_leaves(octree, block);
+    offset_ += size + sizeof(Checksum);
+  }
+
+  void read_leaves(Octree& octree, const BlockHeader& block) const {
+    std::int64_t last_key = -1;
+    for (std::size_t i = 0; i < block.leaves; ++i) {
+      const std::size_t offset = offset_ + sizeof(BlockHeader) + i * sizeof(Record);
+      const auto record = take<Record>(bytes(), offset);
+      if (record.key_in_block <= last_key || record.key_in_block >> kLeafBits != 0 || !is_sound(record)) {
+        fail_in_block(offset, "leaf " + std::to_string(i) + " makes no sense");
+      }
+      last_key = record.key_in_block;
+      octree.find_or_insert(VoxelKey(block.key << kLeafBits | record.key_in_block)) = to_leaf(record);
+    }
+  }
+
+  InputFile file_;
+  std::size_t offset_ = 0;  ///< [bytes] of the section in hand
+  std::uint64_t block_ = 0;
+  std::uint64_t last_block_key_ = 0;
+  Header header_;  // last, because reading it needs the others
+};
+
+}  // namespace
+
+void save_map(const std::filesystem::path& path, const Octree& octree) {
+  AtomicFile file(path);
+  file.write(bytes_of(header_of(octree)));
+  BlockWriter writer(file);
+  octree.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
+    const Record record = to_record(key, leaf);
+    if (!is_sound(record)) {
+      throw IoError(path,
+                    "not saved: leaf " + std::to_string(key.bits()) + " holds a value that is not finite");
+    }
+    writer.add(key, record);
+  });
+  writer.flush();
+  file.write(kEndMark);
+  file.commit();
+}
+
+Octree load_map(const std::filesystem::path& path) { return MapReader(path).read(); }
+
+}  // namespace evermap

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <evermap/map/map_difference.hpp>
+
+namespace evermap {
+namespace {
+
+bool is_occupied(const Octree& octree, VoxelKey key) {
+  const Leaf* leaf = octree.find(key);
+  return leaf != nullptr && leaf->occupied();
+}
+
+/// Whether an occupied leaf in or around this voxel shows surface at `p_map`.
+bool shows(const Octree& octree, VoxelKey key, const Eigen::Vector3d& p_map) {
+  const double tolerance = MapDifference::kTolerance * octree.grid().edge;
+  const Eigen::Vector3i center = key.voxel();
+  for (int i = 0; i < 27; ++i) {
+    const Eigen::Vector3i voxel = center + Eigen::Vector3i(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    if (!VoxelKey::in_range(voxel)) continue;
+    const VoxelKey neighbour = VoxelKey::from_voxel(voxel);
+    const Leaf* leaf = octree.find(neighbour);
+    if (leaf == nullptr || !leaf->occupied()) continue;
+    Gaussian surface = octree.gaussian(neighbour, *leaf);
+    surface.covariance += tolerance * tolerance * Eigen::Matrix3d::Identity();
+    if (mahalanobis_squared(p_map, surface) <= kChiSquared99) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+MapDifference compare(const Octree& before, const Octree& after) {
+  MapDifference difference;
+  before.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
+    if (!leaf.occupied() || is_occupied(after, key)) return;
+    if (!shows(after, key, before.gaussian(key, leaf).mean)) difference.removed.push_back(key);
+  });
+  after.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
+    if (!leaf.occupied() || shows(before, key, after.gaussian(key, leaf).mean)) return;
+    (is_occupied(before, key) ? difference.moved : difference.added).push_back(key);
+  });
+  return difference;
+}
+
+}  // namespace evermap

@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "app/program.hpp"
+
+namespace evermap {
+namespace {
+
+class InterruptionTest : public ProgramTest {
+ protected:
+  /// Sends `signal` once the first scan is done; exit code and result.
+  Result interrupt(std::vector<std::string> arguments, int signal) const {
+    arguments.insert(arguments.begin(), "--verbose");  // logs every scan that is done
+    const std::unique_ptr<Process> process = start(arguments);
+    while (!std::filesystem::exists(path("stderr")) ||
+           content(path("stderr")).find(".bin") == std::string::npos) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    process->send(signal);
+    const int exit_code = process->wait();
+    return {exit_code, content(path("stdout")), content(path("stderr"))};
+  }
+
+  /// Whether bytes of the new map are on their way, or have arrived.
+  bool is_saving() const {
+    std::error_code gone_meanwhile;
+    for (const auto& entry : std::filesystem::directory_iterator(path("maps"))) {
+      const std::uintmax_t size = entry.file_size(gone_meanwhile);
+      if (!gone_meanwhile && size > 100'000) return true;
+    }
+    return false;
+  }
+};
+
+TEST_F(InterruptionTest, UpdateSavesWhatItHas) {
+  make_drive("before", 1, true);
+  make_drive("now", 1000, false);
+  expect_done(build("before", "map.evm"));
+  for (const int signal : {SIGTERM, SIGINT}) {
+    const Result result = interrupt(update("map.evm", "now", "out.evm", {"--json"}), signal);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const auto scans = nlohmann::json::parse(result.out)["scans"];
+    EXPECT_EQ(scans["interrupted"], true);
+    EXPECT_GE(scans["done"], 1);
+    EXPECT_LT(scans["done"], 1000);
+    expect_done({"info", name("out.evm")});
+  }
+}
+
+TEST_F(InterruptionTest, BuildSavesWhatItHasAndSaysSo) {
+  make_drive("drive", 1000, true);
+  const Result result = interrupt(build("drive", "map.evm"), SIGTERM);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("interrupted after "), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find(" of 1000 scans"), std::string::npos) << result.out;
+  expect_done({"info", name("map.evm")});
+}
+
+TEST_F(InterruptionTest, KilledWhileSavingTheMapIsOldOrNew) {
+  std::vector<float> values;
+  for (int i = 0; i < 100'000; ++i) {
+    for (const int x : {i % 500 + 1, i / 500, 0, 0}) values.push_back(static_cast<float>(x));
+  }
+  make("cloud.bin", bytes_of(values));
+  const std::vector<std::string> import = {"import", name("cloud.bin"),   "-r", "0.4",
+                                           "-o",     name("maps/map.evm")};
+  std::filesystem::create_directory(path("maps"));
+  expect_done(import);
+  const std::string new_map = content(path("maps/map.evm"));
+  const std::string old_map = "the old map";
+
+  int old_count = 0;
+  int new_count = 0;
+  constexpr int kKills = 100;
+  for (int i = 0; i < kKills; ++i) {
+    std::filesystem::remove_all(path("maps"));  // with what the killed process left behind
+    std::filesystem::create_directory(path("maps"));
+    make("maps/map.evm", old_map);
+    const std::unique_ptr<Process> process = start(import);
+    while (!is_saving()) std::this_thread::sleep_for(std::chrono::microseconds(20));
+    std::this_thread::sleep_for(std::chrono::microseconds(100 * i));
+    process->send(SIGKILL);
+    process->wait();
+    const std::string map = content(path("maps/map.evm"));
+    old_count += map == old_map;
+    new_count += map == new_map;
+  }
+  EXPECT_EQ(old_count + new_count, kKills) << old_count << " old, " << new_count << " new";
+  EXPECT_GT(old_count, 0) << "no process was killed while it saved";
+}
+
+}  // namespace
+}  // namespace evermap

@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <nlohmann/json.hpp>
+
+#include "app/program.hpp"
+
+namespace evermap {
+namespace {
+
+using Json = nlohmann::json;
+
+class VerbsTest : public ProgramTest {};
+
+TEST_F(VerbsTest, WrongUsageIsExitCode2) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{},
+        {"bogus"},
+        {"import"},
+        {"info", "a.evm", "--bogus"},
+        {"info", "a.evm", "b.evm"},
+        {"import", "a.pcd", "-r", "wide", "-o", "a.evm"},
+        {"config", "--mode", "best"},
+        {"update", "a.evm", "b", "--poses", "c", "-o", "d", "--threads", "0"},
+        {"build", "b", "--poses", "c", "-r", "0.4", "-o", "d", "--min-range", "-1"}}) {
+    const Result result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_TRUE(result.err.starts_with("evermap: ")) << result.err;
+    EXPECT_EQ(result.out, "");
+  }
+}
+
+TEST_F(VerbsTest, HelpShowsDefaultsAndUnits) {
+  EXPECT_EQ(run({"--version"}).out, "evermap " EVERMAP_VERSION "\n");
+  EXPECT_NE(run({"--help"}).out.find("update"), std::string::npos);
+  const std::string help = run({"update", "--help"}).out;
+  for (const char* text : {"--max-range M", "=200", "=default", "=all cores"}) {
+    EXPECT_NE(help.find(text), std::string::npos) << text;
+  }
+}
+
+TEST_F(VerbsTest, AWallThatVanishedLeavesTheMap) {
+  make_drive("before", 5, true);
+  make_drive("now", 12, false);
+  expect_done(build("before", "map.evm"));
+  const Result result =
+      run(update("map.evm", "now", "out.evm", {"--json", "--report", name("report/of/now")}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json report = Json::parse(result.out);
+  EXPECT_EQ(report["scans"]["done"], 12);
+  EXPECT_EQ(report["scans"]["interrupted"], false);
+  EXPECT_EQ(report["points"]["total"], 12 * 32 * 720);
+  EXPECT_EQ(report["points"]["used"], report["points"]["total"]);
+  const Json& leaves = report["leaves"];
+  EXPECT_GT(leaves["removed"], 20);
+  EXPECT_GT(leaves["added"], 20);
+  EXPECT_EQ(leaves["after"].get<int>(),
+            leaves["before"].get<int>() + leaves["added"].get<int>() - leaves["removed"].get<int>());
+  EXPECT_EQ(Json::parse(content(path("report/of/now/report.json"))), report);
+  for (const char* picture : {"before.png", "after.png", "change.png"}) {
+    EXPECT_TRUE(content(path("report/of/now") / picture).starts_with("\x89PNG")) << picture;
+  }
+  const Json info = Json::parse(run({"info", name("out.evm"), "--json"}).out);
+  EXPECT_EQ(info["leaves"]["occupied"], leaves["after"]);
+  EXPECT_EQ(info["leaves"]["pending"], leaves["pending"]);
+}
+
+TEST_F(VerbsTest, TheInputMapMayBeTheOutputMap) {
+  make_drive("drive", 2, true);
+  expect_done(build("drive", "map.evm"));
+  expect_done(update("map.evm", "drive", "other.evm"));
+  expect_done(update("map.evm", "drive", "map.evm"));
+  EXPECT_TRUE(content(path("map.evm")) == content(path("other.evm")));
+}
+
+TEST_F(VerbsTest, AnyNumberOfThreadsGivesTheSameBytes) {
+  make_drive("before", 3, true);
+  make_drive("now", 6, false);
+  expect_done(build("before", "map.evm"));
+  for (const char* mode : {"default", "paper"}) {
+    expect_done(update("map.evm", "now", "one.evm", {"--mode", mode, "--threads", "1"}));
+    const std::string one = content(path("one.evm"));
+    EXPECT_FALSE(one == content(path("map.evm")));
+    for (const char* threads : {"2", "3", "8"}) {
+      expect_done(update("map.evm", "now", "many.evm", {"--mode", mode, "--threads", threads}));
+      EXPECT_TRUE(content(path("many.evm")) == one) << threads << " threads, " << mode;
+    }
+  }
+}
+
+TEST_F(VerbsTest, ImportTrustsTheWholeCloud) {
+  // 300 m from the viewpoint, 0.1 m from it, and one point beyond what keys can name.
+  make("cloud.pcd",
+       "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 4\nHEIGHT 1\n"
+       "VIEWPOINT 500000 0 0 1 0 0 0\nPOINTS 4\nDATA ascii\n300 0 0\n0.1 0 0\n1e9 0 0\nnan 0 0\n");
+  const Result result = run({"import", name("cloud.pcd"), "-r", "0.4", "-o", name("map.evm"), "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["leaves"], 2);
+  EXPECT_EQ(json["points"]["used"], 2);
+  EXPECT_EQ(json["points"]["dropped"]["beyond_the_grid"], 1);
+  EXPECT_EQ(json["points"]["dropped"]["not_finite"], 1);
+  const Json info = Json::parse(run({"info", name("map.evm"), "--json"}).out);
+  EXPECT_EQ(info["leaves"]["occupied"], 2);
+  EXPECT_NEAR(info["extent_m"]["greatest"][0], 500300, 0.5);
+}
+
+TEST_F(VerbsTest, ExportWritesEveryFormat) {
+  make("cloud.bin", room(true));
+  expect_done({"import", name("cloud.bin"), "-r", "0.4", "-o", name("map.evm")});
+  const auto leaves =
+      Json::parse(run({"info", name("map.evm"), "--json"}).out)["leaves"]["occupied"].get<int>();
+  for (const char* out : {"out.pcd", "out.ply", "out.ot", "out.bt"}) {
+    expect_done({"export", name("map.evm"), name(out)});
+    EXPECT_GT(std::filesystem::file_size(path(out)), 100U) << out;
+  }
+  EXPECT_NE(content(path("out.pcd")).find("POINTS " + std::to_string(leaves) + "\n"), std::string::npos);
+  expect_failed({"export", name("map.evm"), name("out.las")}, "known are .pcd, .ply, .ot and .bt");
+}
+
+TEST_F(VerbsTest, ConfigPrintsWhatConfigReads) {
+  for (const char* mode : {"default", "paper"}) {
+    const std::string printed = run({"config", "--mode", mode}).out;
+    make("config.yaml", printed);
+    EXPECT_EQ(run({"config", "--config", name("config.yaml")}).out, printed) << mode;
+  }
+  make("config.yaml",
+       "impact: equation5_printed\nlidar: {max_range: 7}\n# a comment\nsurface_crossing: false\n");
+  const std::string printed = run({"config", "--config", name("config.yaml")}).out;
+  for (const char* line :
+       {"\nimpact: equation5_printed ", "\n  max_range: 7 ", "\nsurface_crossing: false "}) {
+    EXPECT_NE(printed.find(line), std::string::npos) << line << printed;
+  }
+}
+
+TEST_F(VerbsTest, OptionsOverrideTheConfigFile) {
+  make_drive("drive", 1, false);
+  make("config.yaml", "lidar: {min_range: 0, max_range: 1}\n");
+  const auto used = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = build("drive", "map.evm");
+    arguments.insert(arguments.end(), {"--json", "--config", name("config.yaml")});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Result result = run(arguments);
+    return result.exit_code == 0 ? Json::parse(result.out)["points"]["used"].get<int>() : -result.exit_code;
+  };
+  EXPECT_EQ(used({}), -1);  // nothing within 1 m
+  EXPECT_EQ(used({"--max-range", "100"}), 32 * 720);
+}
+
+TEST_F(VerbsTest, ConfigErrorsNameFileAndLine) {
+  const auto expect_error = [&](const std::string& yaml, const std::string& text) {
+    make("config.yaml", yaml);
+    expect_failed({"config", "--config", name("config.yaml")}, name("config.yaml") + ": at line " + text);
+  };
+  expect_error("hit: 1\nhitt: 1\n", "2: unknown key hitt");
+  expect_error("lidar:\n  min_range: 1\n  reach: 1\n", "3: unknown key lidar.reach");
+  expect_error("\nhit: much\n", "2: hit needs a number of at least 0, not 'much'");
+  expect_error("hit: -1\n", "1: hit needs a number");
+  expect_error("hit: .nan\n", "1: hit needs a number");
+  expect_error("hit: [1, 2]\n", "1: hit needs one value");
+  expect_error("confirmations: 2.5\n", "1: confirmations needs a whole number");
+  expect_error("surface_crossing: 7\n", "1: surface_crossing needs true or false");
+  expect_error("difference: hard\n", "1: difference needs one of none | sigma_points | soft, not 'hard'");
+  expect_error("hit: 1\nmiss: 1\nhit: 2\n", "3: hit was set before, at line 1");
+  expect_error("- hit\n", "1: is no list of");
+  expect_error("hit: 1\nmiss: {\n", "");
+}
+
+}  // namespace
+}  // namespace evermap
