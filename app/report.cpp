@@ -70,6 +70,8 @@ Json to_json(const ChangeReport& report) {
                  {"added", report.difference.added.size()},
                  {"removed", report.difference.removed.size()},
                  {"moved", report.difference.moved.size()},
+                 {"border_added", report.difference.border_added},
+                 {"border_removed", report.difference.border_removed},
                  {"pending", report.after.pending}}}};
   json.update(to_json(report.run));
   return json;
@@ -97,9 +99,11 @@ std::string to_text(const ChangeReport& report) {
   const MapDifference& difference = report.difference;
   return fmt::format(
              "map      {}\n"
-             "leaves   {} before, {} after: {} added, {} removed, {} moved; {} more pending\n",
+             "leaves   {} before, {} after: {} added, {} removed, {} moved; {} more pending\n"
+             "         {} came and {} went where a leaf beside them shows the same surface\n",
              report.map.string(), report.before.occupied, report.after.occupied, difference.added.size(),
-             difference.removed.size(), difference.moved.size(), report.after.pending) +
+             difference.removed.size(), difference.moved.size(), report.after.pending,
+             difference.border_added, difference.border_removed) +
          to_text(report.run);
 }
 

@@ -52,7 +52,10 @@ TEST(MapDifference, AMeanMovesOutOfItsLeaf) {
 TEST(MapDifference, SurfaceThatNoiseCarriedAcrossABorderIsNoChange) {
   const VoxelKey beside = VoxelKey::from_voxel({2, 2, 3});
   const Octree before = map_with(kHere, 1, 0.19F);
-  expect_difference(compare(before, map_with(beside, 1, -0.19F)), {}, {}, {});
+  const MapDifference across = compare(before, map_with(beside, 1, -0.19F));
+  expect_difference(across, {}, {}, {});
+  EXPECT_EQ(across.border_added, 1U);
+  EXPECT_EQ(across.border_removed, 1U);
   expect_difference(compare(before, map_with(beside, 1, -0.1F)), {beside}, {kHere}, {});
 }
 

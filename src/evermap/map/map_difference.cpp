@@ -33,11 +33,20 @@ MapDifference compare(const Octree& before, const Octree& after) {
   MapDifference difference;
   before.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
     if (!leaf.occupied() || is_occupied(after, key)) return;
-    if (!shows(after, key, before.gaussian(key, leaf).mean)) difference.removed.push_back(key);
+    if (shows(after, key, before.gaussian(key, leaf).mean)) {
+      ++difference.border_removed;
+    } else {
+      difference.removed.push_back(key);
+    }
   });
   after.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
-    if (!leaf.occupied() || shows(before, key, after.gaussian(key, leaf).mean)) return;
-    (is_occupied(before, key) ? difference.moved : difference.added).push_back(key);
+    if (!leaf.occupied()) return;
+    const bool was_occupied = is_occupied(before, key);
+    if (shows(before, key, after.gaussian(key, leaf).mean)) {
+      difference.border_added += was_occupied ? 0 : 1;
+    } else {
+      (was_occupied ? difference.moved : difference.added).push_back(key);
+    }
   });
   return difference;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include <evermap/map/octree.hpp>
@@ -16,9 +17,11 @@ namespace evermap {
 struct MapDifference {
   static constexpr double kTolerance = 1.0 / 16;
 
-  std::vector<VoxelKey> added;    ///< occupied after, not before
-  std::vector<VoxelKey> removed;  ///< occupied before, not after
-  std::vector<VoxelKey> moved;    ///< occupied in both; listed for the surface as it is after
+  std::vector<VoxelKey> added;     ///< occupied after, not before
+  std::vector<VoxelKey> removed;   ///< occupied before, not after
+  std::vector<VoxelKey> moved;     ///< occupied in both; listed for the surface as it is after
+  std::size_t border_added = 0;    ///< leaves occupied after, not before, whose surface both maps show
+  std::size_t border_removed = 0;  ///< leaves occupied before, not after, whose surface both maps show
 };
 
 /// REQUIRES: both maps have the same grid.
