@@ -17,6 +17,7 @@
 #include <evermap/io/io_error.hpp>
 #include <evermap/io/map_file.hpp>
 #include <evermap/update/map_updater.hpp>
+#include <evermap/update/viewpoint.hpp>
 
 namespace evermap {
 namespace {
@@ -28,9 +29,10 @@ struct Options {
 
 Octree updated(const YardTrial& trial, const UpdateParameters& parameters) {
   Octree octree = trial.initial_map();
+  Viewpoint viewpoint(parameters.standstill);
   ProgressBar bar(trial.size());
   for (std::size_t i = 0; i < trial.size(); ++i) {
-    update(octree, trial.scan(i), trial.pose(i), parameters);
+    update(octree, trial.scan(i), trial.pose(i), parameters, viewpoint.novelty(trial.pose(i)));
     bar.show(i + 1);
   }
   return octree;

@@ -17,6 +17,7 @@
 #include <evermap/evaluation/map_claims.hpp>
 #include <evermap/io/labelled_boxes.hpp>
 #include <evermap/update/map_updater.hpp>
+#include <evermap/update/viewpoint.hpp>
 
 namespace evermap {
 namespace {
@@ -56,6 +57,7 @@ std::vector<Rule> rules() {
   add("+ 1 m end guard", [](auto& q) { q.end_guard = UpdateParameters{}.end_guard; });
   add("+ memory of 1000 points", [](auto& q) { q.max_count = UpdateParameters{}.max_count; });
   add("+ three confirmations", [](auto& q) { q.confirmations = UpdateParameters{}.confirmations; });
+  add("+ viewpoint memory", [](auto& q) { q.standstill = UpdateParameters{}.standstill; });
   instead("+ coplanar-hit guard", [](auto& q) { q.surface_guard = SurfaceGuard::kCoplanarHit; });
   add("+ reobserved guard = default", [](auto& q) { q.surface_guard = SurfaceGuard::kReobserved; });
   instead("default + incidence weight", [](auto& q) { q.incidence_weight = true; });
@@ -83,7 +85,10 @@ class DriveTrial {
     parameters.lidar.min_range = 2.5;  // the vehicle's own roof
     Octree octree(VoxelGrid{edge});
     for (const PosedScan& s : scans_) add_scan(octree, s.scan, s.T_map_sensor, parameters);
-    for (const PosedScan& s : scans_) update(octree, s.scan, s.T_map_sensor, parameters);
+    Viewpoint viewpoint(parameters.standstill);
+    for (const PosedScan& s : scans_) {
+      update(octree, s.scan, s.T_map_sensor, parameters, viewpoint.novelty(s.T_map_sensor));
+    }
     DriveScore score;
     for (std::size_t i = 0; i < scans_.size(); ++i) {
       add_to_score(score, scans_[i].scan, scans_[i].T_map_sensor, boxes_[i], i + kLastScans >= scans_.size(),
@@ -123,8 +128,10 @@ class RedlightTrial {
   double run(double edge, UpdateParameters parameters) const {
     parameters.lidar.min_range = 2.5;
     Octree octree(VoxelGrid{edge});
-    for (std::size_t i = 0; i < scans_.size(); ++i) {
-      (i < kBuilt ? add_scan : update)(octree, scans_[i], Pose{}, parameters);
+    Viewpoint viewpoint(parameters.standstill);
+    for (std::size_t i = 0; i < kBuilt; ++i) add_scan(octree, scans_[i], Pose{}, parameters);
+    for (std::size_t i = kBuilt; i < scans_.size(); ++i) {
+      update(octree, scans_[i], Pose{}, parameters, viewpoint.novelty(Pose{}));
     }
     return share_true(still_there_,
                       [&](const Eigen::Vector3d& p_map) { return claims(octree, p_map, kPoseSigma); });
@@ -140,7 +147,10 @@ class RedlightTrial {
 
 YardScore run(const YardTrial& trial, const UpdateParameters& parameters) {
   Octree octree = trial.initial_map();
-  for (std::size_t i = 0; i < trial.size(); ++i) update(octree, trial.scan(i), trial.pose(i), parameters);
+  Viewpoint viewpoint(parameters.standstill);
+  for (std::size_t i = 0; i < trial.size(); ++i) {
+    update(octree, trial.scan(i), trial.pose(i), parameters, viewpoint.novelty(trial.pose(i)));
+  }
   return trial.score(octree);
 }
 

@@ -42,8 +42,8 @@ const auto& names_of(Difference) { return kDifferences; }
 template <class Parameters, class Visit>
 void for_each_field(Parameters& parameters, Visit&& visit) {
   auto& [lidar, impact, combination, surface_guard, difference, surface_crossing, incidence_weight,
-         least_impact, end_guard, displacement, hit, miss, max_log_odds, confirmations, max_count] =
-      parameters;
+         least_impact, end_guard, displacement, hit, miss, max_log_odds, confirmations, max_count,
+         standstill] = parameters;
   auto& [min_range, max_range, range_sigma] = lidar;
   visit("lidar.min_range", min_range, "[m] nearer returns are the vehicle itself");
   visit("lidar.max_range", max_range, "[m] farther returns are not used");
@@ -64,6 +64,7 @@ void for_each_field(Parameters& parameters, Visit&& visit) {
   visit("max_log_odds", max_log_odds, "[log-odds] most that a leaf can gather");
   visit("confirmations", confirmations, "[scans] that must hit a new leaf before it is occupied");
   visit("max_count", max_count, "[points] a leaf's memory: older surface is forgotten beyond");
+  visit("standstill", standstill, "[m] a sensor that moved less sees the same again; 0: never");
 }
 
 template <class Field>

@@ -13,6 +13,7 @@
 #include <evermap/io/atomic_file.hpp>
 #include <evermap/io/io_error.hpp>
 #include <evermap/io/map_file.hpp>
+#include <evermap/update/viewpoint.hpp>
 
 namespace evermap {
 namespace {
@@ -51,8 +52,9 @@ void run(const Options& options) {
   Octree octree = load_map(options.map);
   spdlog::info("{}: {} leaves", options.map.string(), octree.leaf_count());
   const Octree before = octree;
+  Viewpoint viewpoint(parameters.standstill);
   const Run run = run_over(scans, options.run.threads, [&](const Scan& scan, const Pose& T_map_sensor) {
-    return update(octree, scan, T_map_sensor, parameters);
+    return update(octree, scan, T_map_sensor, parameters, viewpoint.novelty(T_map_sensor));
   });
   save_map(options.output, octree);
   const ChangeReport report{options.output, run, LeafCounts(before), LeafCounts(octree),

@@ -225,10 +225,18 @@ bool same_bits(const std::pair<VoxelKey, Leaf>& a, const std::pair<VoxelKey, Lea
   return a.first == b.first && std::memcmp(&a.second, &b.second, sizeof(Leaf)) == 0;
 }
 
+void integrate(Octree& octree, const Drive::Stop& stop, const UpdateParameters& parameters) {
+  if (stop.builds) {
+    add_scan(octree, stop.scan, stop.T_map_sensor, parameters);
+  } else {
+    update(octree, stop.scan, stop.T_map_sensor, parameters);
+  }
+}
+
 Octree driven(const Mode& mode, const UpdateParameters& parameters) {
   Octree octree(VoxelGrid::around(mode.place, mode.edge));
   for (const Drive::Stop& stop : Drive(mode.place, mode.points, 1).stops) {
-    (stop.builds ? add_scan : update)(octree, stop.scan, stop.T_map_sensor, parameters);
+    integrate(octree, stop, parameters);
   }
   return octree;
 }
@@ -260,7 +268,7 @@ TEST(MapUpdater, IsBitIdenticalForAnyNumberOfThreads) {
       Octree octree(VoxelGrid{0.2});
       arena.execute([&] {
         for (const Drive::Stop& stop : drive.stops) {
-          (stop.builds ? add_scan : update)(octree, stop.scan, stop.T_map_sensor, parameters);
+          integrate(octree, stop, parameters);
         }
       });
       const auto leaves = leaves_of(octree);
@@ -276,9 +284,9 @@ TEST(MapUpdater, SummaryAccountsForEveryPoint) {
   scan.p_sensor = {{0.1, 0, 0}, {300, 0, 0}, {0, 400, 0}, {3, 0, 0}, {3.01, 0, 0}, {5, 5, 0}, {0, 0, 190}};
   Pose high;
   high.translation.z() = 0.2 * VoxelKey::kMaxZ - 150;
-  for (const auto verb : {add_scan, update}) {
+  for (const bool builds : {true, false}) {
     Octree octree(VoxelGrid{0.2});
-    const ScanSummary summary = verb(octree, scan, high, {});
+    const ScanSummary summary = builds ? add_scan(octree, scan, high, {}) : update(octree, scan, high, {});
     EXPECT_EQ(summary.points, 7U);
     EXPECT_EQ(summary.bundles, 2U);
     EXPECT_EQ(summary.dropped_near, 1U);
@@ -286,6 +294,20 @@ TEST(MapUpdater, SummaryAccountsForEveryPoint) {
     EXPECT_EQ(summary.dropped_out_of_grid, 1U);
     EXPECT_EQ(octree.leaf_count(), 2U);
   }
+}
+
+/// A repeated look pulls a leaf towards its points by its novelty only; its word on occupancy is full.
+TEST(MapUpdater, NoveltyWeighsGeometryAlone) {
+  Scan left, right;
+  left.p_sensor.assign(4, {3.05, 0.1, 0.1});
+  right.p_sensor.assign(4, {3.15, 0.1, 0.1});
+  Octree octree(VoxelGrid{0.2});
+  add_scan(octree, left, {}, {});
+  const VoxelKey key = *octree.grid().key(left.p_sensor[0]);
+  const float log_odds = octree.find(key)->log_odds;
+  update(octree, right, {}, {}, 0.25);
+  EXPECT_NEAR(octree.gaussian(key, *octree.find(key)).mean.x(), (4 * 3.05 + 3.15) / 5, 1e-6);
+  EXPECT_GT(octree.find(key)->log_odds, log_odds);
 }
 
 TEST(AddScan, OccupiesAtOnceAndContradictsNothing) {

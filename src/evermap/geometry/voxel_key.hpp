@@ -55,7 +55,7 @@ class VoxelKey {
   int brick_in_block() const { return static_cast<int>(bits_ >> 9 & 511); }
   int voxel_in_brick() const { return static_cast<int>(bits_ & 511); }
 
-  friend auto operator<=>(VoxelKey, VoxelKey) = default;
+  friend auto operator<=>(VoxelKey, VoxelKey) = default;  // NOLINT(modernize-use-nullptr): its literal zero
 
  private:
   std::uint64_t bits_ = 0;

@@ -72,13 +72,17 @@ void contradict_leaves(Octree& octree, const BundleGrid& bundles, const Evidence
 
 /// Additive: leaves that exist are confirmed in parallel; new ones are made one by one, since that moves
 /// leaves.
-void confirm_leaves(Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters) {
+void confirm_leaves(Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters,
+                    double novelty) {
   const auto& all = bundles.bundles();
   std::vector<char> is_new(all.size(), 0);
   for_each_index(all.size(), [&](std::size_t i) {
     Leaf* leaf = octree.find(all[i].key);
     is_new[i] = leaf == nullptr;
-    if (leaf) confirm(*leaf, all[i].points, octree.grid().center(all[i].key), parameters);
+    if (leaf == nullptr) return;
+    Gaussian seen = all[i].points;
+    seen.count *= novelty;
+    confirm(*leaf, seen, octree.grid().center(all[i].key), parameters);
   });
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!is_new[i]) continue;
@@ -93,7 +97,7 @@ ScanSummary add_scan(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
   UpdateParameters trusting = parameters;
   trusting.confirmations = 1;
   const BundleGrid bundles = condense(scan, T_map_sensor, octree.grid(), parameters.lidar);
-  confirm_leaves(octree, bundles, trusting);
+  confirm_leaves(octree, bundles, trusting, 1);
   return summarize(scan, bundles);
 }
 
@@ -107,11 +111,11 @@ ScanSummary add_cloud(Octree& octree, const Scan& cloud, const Pose& T_map_cloud
 }
 
 ScanSummary update(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
-                   const UpdateParameters& parameters) {
+                   const UpdateParameters& parameters, double novelty) {
   const BundleGrid bundles = condense(scan, T_map_sensor, octree.grid(), parameters.lidar);
   const Evidence evidence = trace(octree, bundles, parameters);
   contradict_leaves(octree, bundles, evidence, parameters);
-  confirm_leaves(octree, bundles, parameters);
+  confirm_leaves(octree, bundles, parameters, novelty);
   return summarize(scan, bundles);
 }
 

@@ -51,6 +51,8 @@ struct UpdateParameters {
   int confirmations = 3;      ///< scans that must hit a new leaf before it is occupied
   double max_count = 1000;    ///< [points] a leaf's memory: older surface is forgotten beyond
 
+  double standstill = 0.1;  ///< [m] a sensor that moved less sees the same again (Viewpoint); 0: never
+
   static UpdateParameters paper();
 };
 
@@ -65,6 +67,7 @@ inline UpdateParameters UpdateParameters::paper() {
   parameters.end_guard = 0;
   parameters.confirmations = 1;
   parameters.max_count = 100;
+  parameters.standstill = 0;
   return parameters;
 }
 
