@@ -156,6 +156,7 @@ YardScore run(const YardTrial& trial, const UpdateParameters& parameters) {
 
 struct Options {
   std::filesystem::path data;
+  std::string only;  ///< part of the names of the rules to score; empty for all
   bool as_json = false;
 };
 
@@ -165,7 +166,8 @@ void run_ablation(const Options& options) {
   const Yard yard = make_yard();
   const std::vector<Pose> standstill(kStandstillScans, yard.T_map_sensor[yard.T_map_sensor.size() / 2]);
   Json rows = Json::array();
-  const std::vector<Rule> all = rules();
+  std::vector<Rule> all = rules();
+  std::erase_if(all, [&](const Rule& rule) { return rule.name.find(options.only) == std::string::npos; });
   ProgressBar bar(2 * all.size());
   for (std::size_t done = 0; const double edge : {0.2, 0.4}) {
     const YardTrial driving(edge, yard.T_map_sensor, yard);
@@ -214,6 +216,8 @@ void add_experiment(CLI::App& app) {
                    "Folder with kitti_0005_drive and kitti_redlight_standstill (docs/results.md)")
       ->required()
       ->type_name("DIR");
+  verb->add_option("--only", options->only, "Score only the rules whose name has this in it")
+      ->type_name("TEXT");
   add_json_option(*verb, options->as_json);
   verb->callback([options] { run_ablation(*options); });
 }
