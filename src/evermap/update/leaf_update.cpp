@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -42,11 +43,11 @@ std::optional<Gaussian> sigma_point_difference(const Gaussian& leaf, const Gauss
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(leaf.covariance);
   std::array<Eigen::Vector3d, 7> points;
   points[0] = leaf.mean;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d offset =
-        std::sqrt(kChiSquared95 * std::max(0.0, eigen.eigenvalues()[axis])) * eigen.eigenvectors().col(axis);
-    points[static_cast<std::size_t>(1 + 2 * axis)] = leaf.mean + offset;
-    points[static_cast<std::size_t>(2 + 2 * axis)] = leaf.mean - offset;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto column = static_cast<Eigen::Index>(axis);
+    const double reach = std::sqrt(kChiSquared95 * std::max(0.0, eigen.eigenvalues()[column]));
+    points[1 + 2 * axis] = leaf.mean + reach * eigen.eigenvectors().col(column);
+    points[2 + 2 * axis] = leaf.mean - reach * eigen.eigenvectors().col(column);
   }
   const auto inside = [&](const Eigen::Vector3d& p) {
     return mahalanobis_squared(p, bundle_t) <= kChiSquared95;
