@@ -17,9 +17,6 @@
 namespace evermap {
 namespace {
 
-constexpr double kPoseSigma = 0.05;  // [m] how well a raw point's place is known
-constexpr std::size_t kLastScans = 5;
-
 struct Options {
   std::filesystem::path map;
   std::filesystem::path scans;
@@ -34,8 +31,9 @@ DriveScore score_drive(const Octree& octree, PosedScans& scans,
   ProgressBar bar(scans.size());
   for (std::size_t i = 0; auto posed = scans.next(); ++i) {
     add_to_score(score, posed->scan, posed->T_map_sensor,
-                 i < boxes.size() ? boxes[i] : std::vector<LabelledBox>{}, i + kLastScans >= scans.size(),
-                 [&](const Eigen::Vector3d& p_map) { return claims(octree, p_map, kPoseSigma); });
+                 i < boxes.size() ? boxes[i] : std::vector<LabelledBox>{},
+                 i + DriveScore::kLastScans >= scans.size(),
+                 [&](const Eigen::Vector3d& p_map) { return claims(octree, p_map, DriveScore::kPoseSigma); });
     bar.show(i + 1);
   }
   return score;

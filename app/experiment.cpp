@@ -22,9 +22,7 @@
 namespace evermap {
 namespace {
 
-constexpr double kPoseSigma = 0.05;  // [m] how well a raw point's place is known
 constexpr double kStillThere = 0.1;  // [m] from a point of the last scans
-constexpr std::size_t kLastScans = 5;
 constexpr std::size_t kStandstillScans = 100;
 
 struct Rule {
@@ -91,8 +89,10 @@ class DriveTrial {
     }
     DriveScore score;
     for (std::size_t i = 0; i < scans_.size(); ++i) {
-      add_to_score(score, scans_[i].scan, scans_[i].T_map_sensor, boxes_[i], i + kLastScans >= scans_.size(),
-                   [&](const Eigen::Vector3d& p_map) { return claims(octree, p_map, kPoseSigma); });
+      add_to_score(score, scans_[i].scan, scans_[i].T_map_sensor, boxes_[i],
+                   i + DriveScore::kLastScans >= scans_.size(), [&](const Eigen::Vector3d& p_map) {
+                     return claims(octree, p_map, DriveScore::kPoseSigma);
+                   });
     }
     return score;
   }
@@ -133,8 +133,9 @@ class RedlightTrial {
     for (std::size_t i = kBuilt; i < scans_.size(); ++i) {
       update(octree, scans_[i], Pose{}, parameters, viewpoint.novelty(Pose{}));
     }
-    return share_true(still_there_,
-                      [&](const Eigen::Vector3d& p_map) { return claims(octree, p_map, kPoseSigma); });
+    return share_true(still_there_, [&](const Eigen::Vector3d& p_map) {
+      return claims(octree, p_map, DriveScore::kPoseSigma);
+    });
   }
 
  private:

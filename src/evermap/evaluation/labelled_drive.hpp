@@ -27,6 +27,9 @@ std::vector<PointClass> classify(const Scan& scan, const std::vector<LabelledBox
 /// How many raw points a map still claims, as in the public dynamic-map benchmarks. Points that should be
 /// kept and that should be removed are counted apart.
 struct DriveScore {
+  static constexpr double kPoseSigma = 0.05;    ///< [m] how well a raw point's place is known
+  static constexpr std::size_t kLastScans = 5;  ///< whose movers are still where the map shows them
+
   struct Share {
     std::size_t points = 0;
     std::size_t claimed = 0;

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <evermap/geometry/neighbourhood.hpp>
 #include <evermap/map/map_difference.hpp>
 
 namespace evermap {
@@ -13,18 +14,13 @@ bool is_occupied(const Octree& octree, VoxelKey key) {
 /// Whether an occupied leaf in or around this voxel shows surface at `p_map`.
 bool shows(const Octree& octree, VoxelKey key, const Eigen::Vector3d& p_map) {
   const double tolerance = MapDifference::kTolerance * octree.grid().edge;
-  const Eigen::Vector3i center = key.voxel();
-  for (int i = 0; i < 27; ++i) {
-    const Eigen::Vector3i voxel = center + Eigen::Vector3i(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-    if (!VoxelKey::in_range(voxel)) continue;
-    const VoxelKey neighbour = VoxelKey::from_voxel(voxel);
-    const Leaf* leaf = octree.find(neighbour);
-    if (leaf == nullptr || !leaf->occupied()) continue;
-    Gaussian surface = octree.gaussian(neighbour, *leaf);
+  return any_in_neighbourhood(key, [&](VoxelKey near) {
+    const Leaf* leaf = octree.find(near);
+    if (leaf == nullptr || !leaf->occupied()) return false;
+    Gaussian surface = octree.gaussian(near, *leaf);
     surface.covariance += tolerance * tolerance * Eigen::Matrix3d::Identity();
-    if (mahalanobis_squared(p_map, surface) <= kChiSquared99) return true;
-  }
-  return false;
+    return mahalanobis_squared(p_map, surface) <= kChiSquared99;
+  });
 }
 
 }  // namespace

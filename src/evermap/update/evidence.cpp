@@ -8,6 +8,7 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <evermap/geometry/neighbourhood.hpp>
 #include <evermap/map/traversal.hpp>
 #include <evermap/update/evidence.hpp>
 #include <evermap/update/impact.hpp>
@@ -93,15 +94,11 @@ bool is_spared(const Octree& octree, VoxelKey key, const BundleGrid& bundles, Su
   const Gaussian leaf = octree.gaussian(key, *octree.find(key));
   const bool coplanar = guard == SurfaceGuard::kCoplanarHit;
   const Plane plane = coplanar ? plane_of(leaf) : Plane{};
-  const Eigen::Vector3i center = key.voxel();
-  for (int i = 0; i < 27; ++i) {
-    const Eigen::Vector3i voxel = center + Eigen::Vector3i(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-    if (!VoxelKey::in_range(voxel)) continue;
-    const RayBundle* hit = bundles.find(VoxelKey::from_voxel(voxel));
-    if (hit == nullptr) continue;
-    if (coplanar ? is_coplanar(leaf, plane, hit->points) : fits(leaf, hit->points, displacement)) return true;
-  }
-  return false;
+  return any_in_neighbourhood(key, [&](VoxelKey near) {
+    const RayBundle* hit = bundles.find(near);
+    if (hit == nullptr) return false;
+    return coplanar ? is_coplanar(leaf, plane, hit->points) : fits(leaf, hit->points, displacement);
+  });
 }
 
 }  // namespace
