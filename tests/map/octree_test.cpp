@@ -80,7 +80,7 @@ TEST(Octree, EmptyNodesVanish) {
     const Octree::Block* block = octree.find_block(key.block());
     if (block == nullptr) continue;
     EXPECT_FALSE(block->empty());
-    const Octree::Brick* brick = block->find(key.brick_in_block());
+    const Brick* brick = block->find(key.brick_in_block());
     EXPECT_FALSE(brick != nullptr && brick->empty());
   }
   for (const VoxelKey key : keys) EXPECT_EQ(octree.find_block(key.block()), nullptr);

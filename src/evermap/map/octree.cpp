@@ -27,6 +27,41 @@ std::vector<std::uint64_t> Octree::sorted_block_keys() const {
   return keys;
 }
 
+std::vector<PlacedBrick> Octree::bricks_in(const Eigen::AlignedBox3i& voxels) const {
+  std::vector<PlacedBrick> found;
+  if (voxels.isEmpty()) return found;
+  for (const std::uint64_t block_key : block_keys_in(voxels)) {
+    find_block(block_key)->for_each([&](int index, const Brick& brick) {
+      const VoxelKey first(block_key << 18 | static_cast<std::uint64_t>(index) << 9);
+      const Eigen::Vector3i corner = first.voxel();
+      const Eigen::AlignedBox3i extent(corner, corner.array() + 7);
+      if (voxels.intersects(extent)) found.push_back({&brick, first, corner});
+    });
+  }
+  return found;
+}
+
+std::vector<std::uint64_t> Octree::block_keys_in(const Eigen::AlignedBox3i& voxels) const {
+  const auto block_of = [](const Eigen::Vector3i& v) { return v.unaryExpr([](int i) { return i >> 6; }); };
+  const Eigen::AlignedBox3i box(block_of(voxels.min()), block_of(voxels.max()));
+  const Eigen::Vector3i size = box.sizes().array() + 1;
+  std::vector<std::uint64_t> keys;
+  // Whichever is less work: to look up every block of the box, or to look at every block of the map.
+  if (size.cast<double>().prod() < static_cast<double>(blocks_.size())) {
+    for (int i = 0; i < size.prod(); ++i) {
+      const Eigen::Vector3i at(i % size.x(), i / size.x() % size.y(), i / size.x() / size.y());
+      const std::uint64_t key = VoxelKey::from_voxel(64 * (box.min() + at)).block();
+      if (blocks_.contains(key)) keys.push_back(key);
+    }
+  } else {
+    for (const auto& [key, block] : blocks_) {
+      if (box.contains(block_of(VoxelKey(key << 18).voxel()))) keys.push_back(key);
+    }
+  }
+  std::sort(keys.begin(), keys.end());
+  return keys;
+}
+
 std::size_t Octree::memory_bytes() const {
   std::size_t bytes = sizeof(*this) + blocks_.bucket_count() * sizeof(void*);
   for (const auto& [key, block] : blocks_) {

@@ -8,11 +8,31 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
 #include <evermap/geometry/voxel_key.hpp>
 #include <evermap/map/leaf.hpp>
 #include <evermap/map/wide_node.hpp>
 
 namespace evermap {
+
+using Brick = WideNode<Leaf>;
+
+/// A brick and where it is.
+struct PlacedBrick {
+  const Brick* brick;
+  VoxelKey first;          ///< key of its lowest voxel
+  Eigen::Vector3i corner;  ///< its lowest voxel
+
+  /// The least box of voxels around its leaves.
+  Eigen::AlignedBox3i leaf_bounds() const { return brick->bounds().translate(corner); }
+  /// REQUIRES: the voxel is in the brick.
+  VoxelKey key(const Eigen::Vector3i& voxel) const {
+    return VoxelKey(first.bits() | static_cast<std::uint64_t>((voxel.z() & 7) << 6 | (voxel.y() & 7) << 3 |
+                                                              (voxel.x() & 7)));
+  }
+};
 
 /// Sparse voxel octree of surface leaves; empty space takes no memory.
 ///
@@ -25,7 +45,6 @@ namespace evermap {
 /// access.
 class Octree {
  public:
-  using Brick = WideNode<Leaf>;
   using Block = WideNode<Brick>;
 
   explicit Octree(const VoxelGrid& grid) : grid_(grid) {}
@@ -73,6 +92,9 @@ class Octree {
     }
   }
 
+  /// The bricks that reach into a box of voxels, in ascending order of keys.
+  std::vector<PlacedBrick> bricks_in(const Eigen::AlignedBox3i& voxels) const;
+
   std::size_t memory_bytes() const;  ///< of nodes and leaves, with unused capacity
 
  private:
@@ -81,6 +103,7 @@ class Octree {
   };
 
   std::vector<std::uint64_t> sorted_block_keys() const;
+  std::vector<std::uint64_t> block_keys_in(const Eigen::AlignedBox3i& voxels) const;
 
   VoxelGrid grid_;
   std::unordered_map<std::uint64_t, Block, BlockHash> blocks_;

@@ -2,11 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace evermap {
 
@@ -45,6 +49,26 @@ class WideNode {
   bool empty() const { return items_.empty(); }
   std::size_t size() const { return items_.size(); }
   std::size_t capacity() const { return items_.capacity(); }
+
+  /// The least box of positions (x, y, z) in [0, 8)^3 around all children, whose index is z << 6 | y << 3 |
+  /// x. REQUIRES: there are some.
+  Eigen::AlignedBox3i bounds() const {
+    std::uint64_t slice = 0;  // all layers seen from above: bit y << 3 | x
+    int bottom = 8;
+    int top = 0;
+    for (int z = 0; z < 8; ++z) {
+      const std::uint64_t layer = mask_[static_cast<std::size_t>(z)];
+      if (layer == 0) continue;
+      slice |= layer;
+      bottom = std::min(bottom, z);
+      top = z;
+    }
+    std::uint64_t row = slice | slice >> 32;
+    row |= row >> 16;
+    row = (row | row >> 8) & 0xFF;
+    return {Eigen::Vector3i(std::countr_zero(row), std::countr_zero(slice) / 8, bottom),
+            Eigen::Vector3i(63 - std::countl_zero(row), (63 - std::countl_zero(slice)) / 8, top)};
+  }
 
   /// Calls visit(index, child) in the order of indices.
   template <class Visit>

@@ -9,14 +9,14 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <evermap/geometry/neighbourhood.hpp>
-#include <evermap/map/traversal.hpp>
+#include <evermap/map/ray_fan.hpp>
 #include <evermap/update/evidence.hpp>
 #include <evermap/update/impact.hpp>
 
 namespace evermap {
 namespace {
 
-constexpr std::size_t kGrain = 256;  ///< bundles or leaves per task: some 0.1 ms of work
+constexpr std::size_t kGrain = 32;  ///< bundles or leaves per task: some 0.1 ms of work
 
 /// How far the ray is known to be free [m]: range noise forbids a verdict just before the hit.
 double free_length(const Ray& ray, const Gaussian& bundle, const UpdateParameters& parameters) {
@@ -26,18 +26,23 @@ double free_length(const Ray& ray, const Gaussian& bundle, const UpdateParameter
   return length - std::max(parameters.end_guard, 3 * parameters.lidar.range_sigma + 2 * sigma_along);
 }
 
-void trace_bundle(const Octree& octree, const BundleGrid& bundles, std::uint32_t index,
-                  const UpdateParameters& parameters, std::vector<Contradiction>& found) {
-  const RayBundle& bundle = bundles.bundles()[index];
-  const Ray ray{bundles.origin_map, bundle.points.mean};
-  const double free = free_length(ray, bundle.points, parameters);
-  if (free <= 0) return;
+/// Who contradicts the leaves of one brick, sorted by leaf.
+void gather(const Octree& octree, const BundleGrid& bundles, const std::vector<RayFan::Target>& targets,
+            const RayFan& fan, const PlacedBrick& brick, const UpdateParameters& parameters,
+            std::vector<Contradiction>& found) {
   // A hit voxel takes no miss; it is looked at all the same when its geometry may be trimmed.
   const bool trims = parameters.difference != Difference::kNone;
-  traverse(octree, ray, [&](VoxelKey key, const Leaf& leaf, double entry, double) {
-    if (entry > free || key == bundle.key || (!trims && bundles.find(key) != nullptr)) return;
+  const auto begin = static_cast<std::ptrdiff_t>(found.size());
+  fan.for_each_met(brick, [&](std::uint32_t index, VoxelKey key, const Leaf& leaf) {
+    const RayBundle& bundle = bundles.bundles()[index];
+    const Ray ray{bundles.origin_map, bundle.points.mean};
+    const double free = targets[index].until * ray.length();
     const double value = impact(octree.gaussian(key, leaf), ray, bundle.points, free, parameters);
-    if (value > 0) found.push_back({key, index, static_cast<float>(value)});
+    if (value <= 0 || key == bundle.key || (!trims && bundles.find(key) != nullptr)) return;
+    found.push_back({key, index, static_cast<float>(value)});
+  });
+  std::sort(found.begin() + begin, found.end(), [](const Contradiction& a, const Contradiction& b) {
+    return a.leaf != b.leaf ? a.leaf < b.leaf : a.bundle < b.bundle;
   });
 }
 
@@ -45,19 +50,23 @@ void trace_bundle(const Octree& octree, const BundleGrid& bundles, std::uint32_t
 /// them.
 std::vector<Contradiction> find_contradictions(const Octree& octree, const BundleGrid& bundles,
                                                const UpdateParameters& parameters) {
-  const std::size_t count = bundles.bundles().size();
-  std::vector<std::vector<Contradiction>> chunks((count + kGrain - 1) / kGrain);
+  std::vector<RayFan::Target> targets;
+  targets.reserve(bundles.bundles().size());
+  for (const RayBundle& bundle : bundles.bundles()) {
+    const Ray ray{bundles.origin_map, bundle.points.mean};
+    targets.push_back({ray.end, free_length(ray, bundle.points, parameters) / ray.length()});
+  }
+  const RayFan fan(octree.grid(), bundles.origin_map, targets);
+  const std::vector<PlacedBrick> bricks = octree.bricks_in(fan.voxels());
+  std::vector<std::vector<Contradiction>> chunks((bricks.size() + kGrain - 1) / kGrain);
   oneapi::tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t chunk) {
-    const std::size_t end = std::min(count, (chunk + 1) * kGrain);
+    const std::size_t end = std::min(bricks.size(), (chunk + 1) * kGrain);
     for (std::size_t i = chunk * kGrain; i < end; ++i) {
-      trace_bundle(octree, bundles, static_cast<std::uint32_t>(i), parameters, chunks[chunk]);
+      gather(octree, bundles, targets, fan, bricks[i], parameters, chunks[chunk]);
     }
   });
   std::vector<Contradiction> all;
   for (const auto& chunk : chunks) all.insert(all.end(), chunk.begin(), chunk.end());
-  std::sort(all.begin(), all.end(), [](const Contradiction& a, const Contradiction& b) {
-    return a.leaf != b.leaf ? a.leaf < b.leaf : a.bundle < b.bundle;
-  });
   return all;
 }
 
