@@ -58,33 +58,30 @@ Gaussian expected_bundle(const std::vector<Vector3d>& points, double s0) {
 void expect_brute_force(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid& grid,
                         const LidarParameters& lidar) {
   std::map<VoxelKey, std::vector<Vector3d>> voxels;
-  std::vector<VoxelKey> order;
   std::size_t near = 0, far = 0;
   for (const Vector3d& p : scan.p_sensor) {
     near += p.norm() < lidar.min_range;
     far += p.norm() > lidar.max_range;
     if (p.norm() < lidar.min_range || p.norm() > lidar.max_range) continue;
     const Vector3d p_map = T_map_sensor * p;
-    const VoxelKey key = *grid.key(p_map);
-    if (!voxels.contains(key)) order.push_back(key);
-    voxels[key].push_back(p_map);
+    voxels[*grid.key(p_map)].push_back(p_map);
   }
   const BundleGrid found = condense(scan, T_map_sensor, grid, lidar);
   EXPECT_EQ(found.dropped_near, near);
   EXPECT_EQ(found.dropped_far, far);
   EXPECT_EQ(found.dropped_out_of_grid, 0U);
   EXPECT_EQ(found.origin_map, T_map_sensor.translation);
-  ASSERT_EQ(found.bundles().size(), order.size());
+  ASSERT_EQ(found.bundles().size(), voxels.size());
   const double s0 = std::max(lidar.range_sigma, 0.02 * grid.edge);
   const double rounding = 2e-16 * T_map_sensor.translation.norm() + 1e-14;  // [m] of a coordinate
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const RayBundle& bundle = found.bundles()[i];
-    ASSERT_EQ(bundle.key, order[i]);  // in the order in which the scan first reached their voxels
-    const Gaussian expected = expected_bundle(voxels[order[i]], s0);
-    EXPECT_LE((bundle.points.mean - expected.mean).norm(), 4 * rounding);
-    EXPECT_LE((bundle.points.covariance - expected.covariance).norm(),
+  auto bundle = found.bundles().begin();
+  for (const auto& [key, points] : voxels) {
+    ASSERT_EQ(bundle->key, key);  // in ascending order
+    const Gaussian expected = expected_bundle(points, s0);
+    EXPECT_LE((bundle->points.mean - expected.mean).norm(), 4 * rounding);
+    EXPECT_LE((bundle->points.covariance - expected.covariance).norm(),
               1e-12 * expected.covariance.trace() + rounding * 1e-4);
-    EXPECT_EQ(bundle.points.count, expected.count);
+    EXPECT_EQ(bundle++->points.count, expected.count);
   }
 }
 

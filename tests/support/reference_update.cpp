@@ -56,23 +56,20 @@ void store(ReferenceLeaf& leaf, const Vector3d& center) {
   leaf.log_odds = rounded(leaf.log_odds);
 }
 
-/// In the order in which the scan reaches their voxels.
+/// In ascending order of keys.
 std::vector<Bundle> condensed(const Scan& scan, const Pose& T, const VoxelGrid& grid,
                               const UpdateParameters& parameters) {
-  std::vector<VoxelKey> order;
   std::map<VoxelKey, std::vector<Vector3d>> voxels;
   for (const Vector3d& p : scan.p_sensor) {
     if (p.norm() < parameters.lidar.min_range || p.norm() > parameters.lidar.max_range) continue;
     const Vector3d p_map = T.rotation * p + T.translation;
     const auto key = grid.key(p_map);
     if (!key) continue;
-    if (voxels[*key].empty()) order.push_back(*key);
     voxels[*key].push_back(p_map);
   }
   const double s0 = thickness(grid, parameters);
   std::vector<Bundle> bundles;
-  for (const VoxelKey key : order) {
-    const auto& points = voxels[key];
+  for (const auto& [key, points] : voxels) {
     const auto n = static_cast<double>(points.size());
     Vector3d mean = Vector3d::Zero();
     for (const Vector3d& p : points) mean += (p - points[0]) / n;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <support/encounter.hpp>
 #include <support/random_geometry.hpp>
 
@@ -199,14 +200,15 @@ TEST(Equation5, StaysBetweenZeroAndOne) {
   EXPECT_GT(third_case, 1000);
 }
 
-/// The greatest likelihood among points of the ray, not of the line behind the sensor.
+double likelihood(const Approach& approach) { return std::exp(-0.5 * approach.mahalanobis_squared); }
+
+/// The closest among points of the ray, not of the line behind the sensor; `reach` is a share of the ray.
 Approach sampled_approach(const Ray& ray, const Gaussian& leaf, double reach, int samples) {
-  const Vector3d u = (ray.end - ray.origin).normalized();
-  Approach best{0, -1};
+  Approach best{0, std::numeric_limits<double>::infinity()};
   for (int i = 0; i <= samples; ++i) {
-    const double distance = reach * i / samples;
-    const double likelihood = std::exp(-0.5 * mahalanobis_squared(ray.origin + distance * u, leaf));
-    if (likelihood > best.likelihood) best = {distance, likelihood};
+    const double share = reach * i / samples;
+    const double squared = mahalanobis_squared(ray.origin + share * (ray.end - ray.origin), leaf);
+    if (squared < best.mahalanobis_squared) best = {share, squared};
   }
   return best;
 }
@@ -220,11 +222,11 @@ TEST(ClosestApproach, EqualsTheBestOfDenseSamples) {
                         random.covariance(0.03, 0.15), 5};
     const Ray ray{origin, origin + random.uniform(0.5, 9) * u};  // its end does not matter here
     const Approach found = closest_approach(ray, leaf);
-    const Approach best = sampled_approach(ray, leaf, 6, 20000);
-    EXPECT_GE(found.likelihood, best.likelihood * (1 - 1e-9));
-    EXPECT_NEAR(found.likelihood, best.likelihood, 2e-5);
-    if (best.likelihood > 1e-3) {
-      EXPECT_NEAR(found.distance, best.distance, 4e-4);
+    const Approach best = sampled_approach(ray, leaf, 6 / ray.length(), 20000);
+    EXPECT_GE(likelihood(found), likelihood(best) * (1 - 1e-9));
+    EXPECT_NEAR(likelihood(found), likelihood(best), 2e-5);
+    if (likelihood(best) > 1e-3) {
+      EXPECT_NEAR(found.share * ray.length(), best.share * ray.length(), 4e-4);
     }
   }
 }
@@ -234,9 +236,8 @@ TEST(ClosestApproach, StartsAtTheOrigin) {
   const Gaussian leaf{Vector3d(-0.3, 0, 0), 0.01 * Matrix3d::Identity(), 5};
   const Ray ray{Vector3d::Zero(), Vector3d(10, 0, 0)};
   const Approach found = closest_approach(ray, leaf);
-  const Approach best = sampled_approach(ray, leaf, 10, 1000);
-  EXPECT_GE(found.distance, 0);
-  EXPECT_NEAR(found.likelihood, best.likelihood, 1e-9);
+  EXPECT_EQ(found.share, 0);
+  EXPECT_NEAR(found.mahalanobis_squared, sampled_approach(ray, leaf, 1, 1000).mahalanobis_squared, 1e-9);
 }
 
 TEST(PlaneOf, FindsTheThinDirection) {
@@ -277,7 +278,7 @@ TEST_F(DefaultImpact, IsOneThroughTheMean) { EXPECT_NEAR(of(through_), 1, 1e-12)
 TEST_F(DefaultImpact, RayThatEndsOnTheSameSideSaysNothing) {
   EXPECT_EQ(of(grazing_), 0);
   parameters_.surface_crossing = false;
-  EXPECT_NEAR(of(grazing_), closest_approach(grazing_, ground_).likelihood, 1e-12);
+  EXPECT_NEAR(of(grazing_), likelihood(closest_approach(grazing_, ground_)), 1e-12);
   EXPECT_GT(of(grazing_), 0.1);
 }
 
@@ -288,7 +289,7 @@ TEST_F(DefaultImpact, RayMustEndThreeSigmaBeyondThePlane) {
 
 TEST_F(DefaultImpact, CrossingIsAskedOfFlatLeavesOnly) {
   ground_.covariance(2, 2) = 0.005;
-  EXPECT_NEAR(of(grazing_), closest_approach(grazing_, ground_).likelihood, 1e-12);
+  EXPECT_NEAR(of(grazing_), likelihood(closest_approach(grazing_, ground_)), 1e-12);
   EXPECT_GT(of(grazing_), 0.9);
 }
 
@@ -299,7 +300,7 @@ TEST_F(DefaultImpact, IncidenceWeightIsTheCosine) {
   EXPECT_NEAR(of(slanted), full * std::sqrt(0.5), 1e-12);
   EXPECT_NEAR(of({Vector3d(0, 0, 2), Vector3d(0, 0, -1)}), 1, 1e-12);
   ground_.covariance = 0.01 * Matrix3d::Identity();  // no plane, no angle
-  EXPECT_NEAR(of(slanted), closest_approach(slanted, ground_).likelihood, 1e-12);
+  EXPECT_NEAR(of(slanted), likelihood(closest_approach(slanted, ground_)), 1e-12);
 }
 
 TEST_F(DefaultImpact, SmallImpactsAreIgnored) {

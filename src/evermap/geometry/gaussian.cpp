@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
@@ -50,9 +49,10 @@ double kl_divergence(const Gaussian& p, const Gaussian& q) {
 }
 
 Eigen::Matrix3d floor_eigenvalues(const Eigen::Matrix3d& covariance, double floor) {
-  // Cholesky of the excess over the floor succeeds exactly when no eigenvalue is below it: the common case.
+  // The common case: no eigenvalue is below the floor, the leading minors of the excess are positive.
   const Eigen::Matrix3d excess = covariance - floor * Eigen::Matrix3d::Identity();
-  if (excess.llt().info() == Eigen::Success) return covariance;
+  const double minor = excess(0, 0) * excess(1, 1) - excess(1, 0) * excess(0, 1);
+  if (excess(0, 0) > 0 && minor > 0 && excess.determinant() > 0) return covariance;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(floor).asDiagonal() *
          eigen.eigenvectors().transpose();

@@ -1,36 +1,90 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <bit>
+#include <array>
+#include <span>
+#include <utility>
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
 
 #include <evermap/scan/ray_bundle.hpp>
 
 namespace evermap {
 namespace {
 
-/// Moments of points about their voxel's centre, where coordinates are small and sums lose nothing.
-struct Moments {
-  VoxelKey key;
-  Eigen::Vector3d center_map;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d sum_of_squares = Eigen::Matrix3d::Zero();
-  double count = 0;
+constexpr std::size_t kGrain = 1024;  ///< points or bundles per task: some 0.05 ms of work
 
-  void add(const Eigen::Vector3d& p_map) {
-    const Eigen::Vector3d p_voxel = p_map - center_map;
-    sum += p_voxel;
-    sum_of_squares.noalias() += p_voxel * p_voxel.transpose();
-    ++count;
-  }
+template <class Work>
+void for_each_index(std::size_t count, Work&& work) {
+  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, count, kGrain),
+                            [&](const auto& range) {
+                              for (std::size_t i = range.begin(); i != range.end(); ++i) work(i);
+                            });
+}
+
+enum class Use : std::uint8_t { kTaken, kNear, kFar, kOutOfGrid };
+
+struct KeyedPoint {
+  VoxelKey key;
+  std::uint32_t index;  ///< in the scan
+  Use use;
 };
 
-RayBundle to_bundle(const Moments& m, double thickness) {
+KeyedPoint key_of(const Eigen::Vector3d& p_sensor, std::uint32_t index, const Pose& T_map_sensor,
+                  const VoxelGrid& grid, const LidarParameters& lidar) {
+  const double range_squared = p_sensor.squaredNorm();
+  if (range_squared < lidar.min_range * lidar.min_range) return {{}, index, Use::kNear};
+  if (range_squared > lidar.max_range * lidar.max_range) return {{}, index, Use::kFar};
+  const auto key = grid.key(T_map_sensor * p_sensor);
+  if (!key) return {{}, index, Use::kOutOfGrid};
+  return {*key, index, Use::kTaken};
+}
+
+/// Sorts by key; points of one key keep their order. (Radix sort, from the lowest digit up.)
+void sort_by_key(std::vector<KeyedPoint>& points) {
+  constexpr int kDigits = 6;
+  constexpr int kBits = 11;
+  constexpr std::size_t kBuckets = std::size_t{1} << kBits;
+  const auto bucket = [](const KeyedPoint& point, int digit) {
+    return static_cast<std::size_t>(point.key.bits() >> (digit * kBits)) & (kBuckets - 1);
+  };
+  std::vector<std::array<std::uint32_t, kBuckets>> begin(kDigits);  // first the sizes of the buckets
+  for (const KeyedPoint& point : points) {
+    for (int digit = 0; digit < kDigits; ++digit) {
+      ++begin[static_cast<std::size_t>(digit)][bucket(point, digit)];
+    }
+  }
+  std::vector<KeyedPoint> sorted(points.size());
+  for (int digit = 0; digit < kDigits; ++digit) {
+    auto& next = begin[static_cast<std::size_t>(digit)];
+    if (next[bucket(points.front(), digit)] == points.size()) continue;  // all in one bucket
+    std::uint32_t sum = 0;
+    for (std::uint32_t& entry : next) sum += std::exchange(entry, sum);
+    for (const KeyedPoint& point : points) sorted[next[bucket(point, digit)]++] = point;
+    points.swap(sorted);
+  }
+}
+
+RayBundle bundle_of(std::span<const KeyedPoint> points, const Scan& scan, const Pose& T_map_sensor,
+                    const VoxelGrid& grid, double thickness) {
+  // Moments about the voxel's centre, where coordinates are small and sums lose nothing.
+  const Eigen::Vector3d center_map = grid.center(points.front().key);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d sum_of_squares = Eigen::Matrix3d::Zero();
+  for (const KeyedPoint& point : points) {
+    const Eigen::Vector3d p_voxel = T_map_sensor * scan.p_sensor[point.index] - center_map;
+    sum += p_voxel;
+    sum_of_squares += p_voxel * p_voxel.transpose();
+  }
   constexpr double kPriorPoints = 2;  // n0: as much trust in the sensor's noise as in two points
-  const Eigen::Vector3d mean = m.sum / m.count;
-  const Eigen::Matrix3d scatter = m.sum_of_squares - m.count * mean * mean.transpose();
+  const auto count = static_cast<double>(points.size());
+  const Eigen::Vector3d mean = sum / count;
+  const Eigen::Matrix3d scatter = sum_of_squares - count * mean * mean.transpose();
   const Eigen::Matrix3d prior = kPriorPoints * thickness * thickness * Eigen::Matrix3d::Identity();
-  const Eigen::Matrix3d shrunk = (scatter + prior) / (m.count + kPriorPoints);
-  return {m.key, {m.center_map + mean, floor_eigenvalues(shrunk, thickness * thickness / 4), m.count}};
+  const Eigen::Matrix3d shrunk = (scatter + prior) / (count + kPriorPoints);
+  return {points.front().key,
+          {center_map + mean, floor_eigenvalues(shrunk, thickness * thickness / 4), count}};
 }
 
 }  // namespace
@@ -39,52 +93,40 @@ double least_thickness(const LidarParameters& lidar, const VoxelGrid& grid) {
   return std::max(lidar.range_sigma, 0.02 * grid.edge);
 }
 
-std::size_t BundleGrid::slot(VoxelKey key) const {
-  const std::size_t mask = slots_.size() - 1;
-  std::size_t at = hash_bits(key.bits()) & mask;
-  while (slots_[at] != 0 && bundles_[slots_[at] - 1].key != key) at = (at + 1) & mask;
-  return at;
-}
-
 const RayBundle* BundleGrid::find(VoxelKey key) const {
-  if (bundles_.empty()) return nullptr;
-  const std::uint32_t found = slots_[slot(key)];
-  return found == 0 ? nullptr : &bundles_[found - 1];
+  const auto found = std::lower_bound(bundles_.begin(), bundles_.end(), key,
+                                      [](const RayBundle& bundle, VoxelKey k) { return bundle.key < k; });
+  return found != bundles_.end() && found->key == key ? &*found : nullptr;
 }
 
 BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid& grid,
                     const LidarParameters& lidar) {
   BundleGrid result;
   result.origin_map = T_map_sensor.translation;
-  result.slots_.assign(std::bit_ceil(2 * scan.p_sensor.size() + 2), 0);
-  std::vector<Moments> moments;
-  for (const Eigen::Vector3d& p_sensor : scan.p_sensor) {
-    const double range = p_sensor.norm();
-    if (range < lidar.min_range) {
-      ++result.dropped_near;
-      continue;
-    }
-    if (range > lidar.max_range) {
-      ++result.dropped_far;
-      continue;
-    }
-    const Eigen::Vector3d p_map = T_map_sensor * p_sensor;
-    const auto key = grid.key(p_map);
-    if (!key) {
-      ++result.dropped_out_of_grid;
-      continue;
-    }
-    std::uint32_t& found = result.slots_[result.slot(*key)];
-    if (found == 0) {
-      result.bundles_.push_back({*key, {}});
-      moments.push_back({*key, grid.center(*key)});
-      found = static_cast<std::uint32_t>(moments.size());
-    }
-    moments[found - 1].add(p_map);
+  std::vector<KeyedPoint> points(scan.p_sensor.size());
+  for_each_index(points.size(), [&](std::size_t i) {
+    points[i] = key_of(scan.p_sensor[i], static_cast<std::uint32_t>(i), T_map_sensor, grid, lidar);
+  });
+  std::array<std::size_t, 4> used{};
+  for (const KeyedPoint& point : points) ++used[static_cast<std::size_t>(point.use)];
+  result.dropped_near = used[static_cast<std::size_t>(Use::kNear)];
+  result.dropped_far = used[static_cast<std::size_t>(Use::kFar)];
+  result.dropped_out_of_grid = used[static_cast<std::size_t>(Use::kOutOfGrid)];
+  std::erase_if(points, [](const KeyedPoint& point) { return point.use != Use::kTaken; });
+  if (points.empty()) return result;
+
+  sort_by_key(points);
+  std::vector<std::size_t> begin;  // of each voxel's points
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i == 0 || points[i].key != points[i - 1].key) begin.push_back(i);
   }
+  begin.push_back(points.size());
   const double thickness = least_thickness(lidar, grid);
-  std::transform(moments.begin(), moments.end(), result.bundles_.begin(),
-                 [&](const Moments& m) { return to_bundle(m, thickness); });
+  result.bundles_.resize(begin.size() - 1);
+  for_each_index(result.bundles_.size(), [&](std::size_t i) {
+    const auto in_voxel = std::span(points).subspan(begin[i], begin[i + 1] - begin[i]);
+    result.bundles_[i] = bundle_of(in_voxel, scan, T_map_sensor, grid, thickness);
+  });
   return result;
 }
 

@@ -29,8 +29,8 @@ struct LidarParameters {
 /// A scan condensed into ray bundles, findable by voxel. Const members are thread safe.
 class BundleGrid {
  public:
-  /// Class invariant: at most one bundle per voxel, in the order in which the scan first reached their
-  /// voxels.
+  /// Class invariant: at most one bundle per voxel, in ascending order of keys: neighbours in the map are
+  /// neighbours in memory.
   const std::vector<RayBundle>& bundles() const { return bundles_; }
   /// The bundle of this voxel, if any.
   const RayBundle* find(VoxelKey key) const;
@@ -42,17 +42,16 @@ class BundleGrid {
 
  private:
   friend BundleGrid condense(const Scan&, const Pose&, const VoxelGrid&, const LidarParameters&);
-  std::size_t slot(VoxelKey key) const;
 
   std::vector<RayBundle> bundles_;
-  std::vector<std::uint32_t> slots_;  ///< open addressing: 1 + index into bundles_, 0 when free
 };
 
 /// The restricted voxel grid: all points of the scan in one voxel become one bundle.
 ///
 /// The covariance is shrunk towards the sensor's noise, S = (scatter + n0 s0^2 I) / (n + n0) with n0 = 2 and
 /// s0 = max(range_sigma, 0.02 l), and its eigenvalues are floored at (s0 / 2)^2, so that bundles of one or
-/// two points and exact planes stay invertible.
+/// two points and exact planes stay invertible. Runs in parallel in the caller's TBB arena, with the same
+/// result for any number of threads.
 BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid& grid,
                     const LidarParameters& lidar);
 

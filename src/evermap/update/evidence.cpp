@@ -113,13 +113,16 @@ bool is_spared(const Octree& octree, VoxelKey key, const BundleGrid& bundles, Su
 }  // namespace
 
 double alignment_error(const Octree& octree, const BundleGrid& bundles) {
+  constexpr std::size_t kSamples = 2000;     // bundles that are asked, evenly over the scan
   constexpr std::size_t kEnough = 50;        // flat places that tell the error to about 10 %
   constexpr double kMinLeafCount = 10;       // [points] fewer do not make a plane
   constexpr double kMinBundleCount = 3;      // [points] fewer are mostly range noise
   constexpr double kUnknown = 0.01;          // [m] a moderate error, where too little is flat to tell
   constexpr double kMedianToSigma = 1.4826;  // of a normal distribution
   std::vector<double> offsets;
-  for (const RayBundle& bundle : bundles.bundles()) {
+  const std::vector<RayBundle>& all = bundles.bundles();
+  for (std::size_t i = 0; i < all.size(); i += 1 + all.size() / kSamples) {
+    const RayBundle& bundle = all[i];
     const Leaf* leaf = octree.find(bundle.key);
     if (leaf == nullptr || !leaf->occupied() || leaf->count < kMinLeafCount) continue;
     if (bundle.points.count < kMinBundleCount) continue;

@@ -45,13 +45,18 @@ double equation5(const Gaussian& leaf, const Gaussian& bundle_t, ImpactRule thir
 }
 
 Approach closest_approach(const Ray& ray, const Gaussian& leaf) {
-  const Eigen::Vector3d u = (ray.end - ray.origin).normalized();
-  const Eigen::Matrix3d leaf_information = leaf.covariance.inverse();
+  // The line o + t d passes a Gaussian at the squared Mahalanobis distance w' S w / (d' adj(S) d), where
+  // w = d x (mu - o) and adj(S) = det(S) S^-1: no inverse is needed.
+  const Eigen::Matrix3d& S = leaf.covariance;
+  const Eigen::Vector3d d = ray.end - ray.origin;
   const Eigen::Vector3d to_leaf = leaf.mean - ray.origin;
-  const Eigen::Vector3d information_u = leaf_information * u;
-  const double distance = std::max(0.0, to_leaf.dot(information_u) / u.dot(information_u));
-  const Eigen::Vector3d miss = distance * u - to_leaf;
-  return {distance, std::exp(-0.5 * miss.dot(leaf_information * miss))};
+  const Eigen::Vector3d adjugate_d =
+      d.x() * S.col(1).cross(S.col(2)) + d.y() * S.col(2).cross(S.col(0)) + d.z() * S.col(0).cross(S.col(1));
+  const double scale = d.dot(adjugate_d);
+  const double share = to_leaf.dot(adjugate_d) / scale;
+  if (share < 0) return {0, mahalanobis_squared(ray.origin, leaf)};
+  const Eigen::Vector3d w = d.cross(to_leaf);
+  return {share, w.dot(S * w) / scale};
 }
 
 Plane plane_of(const Gaussian& leaf) {
@@ -68,18 +73,22 @@ namespace {
 double default_impact(const Gaussian& leaf, const Ray& ray, double free_length,
                       const UpdateParameters& parameters) {
   const Approach approach = closest_approach(ray, leaf);
-  if (approach.distance > free_length || approach.likelihood < parameters.least_impact) return 0;
-  if (!parameters.surface_crossing && !parameters.incidence_weight) return approach.likelihood;
+  const double exponent = 0.5 * approach.mahalanobis_squared;
+  // exp(-x) <= 1 / (1 + x) turns most rays away before anything dear is computed.
+  if (parameters.least_impact * (1 + exponent) > 1) return 0;
+  const double likelihood = std::exp(-exponent);
+  if (likelihood < parameters.least_impact || approach.share * ray.length() > free_length) return 0;
+  if (!parameters.surface_crossing && !parameters.incidence_weight) return likelihood;
   const Plane plane = plane_of(leaf);
-  if (!plane.flat) return approach.likelihood;
+  if (!plane.flat) return likelihood;
   if (parameters.surface_crossing) {
     const double origin_side = plane.normal.dot(ray.origin - leaf.mean);
     const double end_side = plane.normal.dot(ray.end - leaf.mean);
     const bool crosses = origin_side * end_side < 0 && std::abs(end_side) > 3 * plane.sigma;
     if (!crosses) return 0;
   }
-  if (!parameters.incidence_weight) return approach.likelihood;
-  return approach.likelihood * std::abs(plane.normal.dot((ray.end - ray.origin).normalized()));
+  if (!parameters.incidence_weight) return likelihood;
+  return likelihood * std::abs(plane.normal.dot((ray.end - ray.origin).normalized()));
 }
 
 }  // namespace

@@ -25,10 +25,10 @@ Eigen::Vector3d densest_overlap(const Gaussian& leaf, const Gaussian& bundle_t);
 /// Equation (5): the Ray-Bundle-Impact-Factor in [0, 1], paper mode.
 double equation5(const Gaussian& leaf, const Gaussian& bundle_t, ImpactRule third_case);
 
-/// Default mode: the leaf's likelihood, relative to its peak, at the closest approach of the mean ray.
+/// Default mode: where a ray's line comes closest to a leaf, as the leaf's Gaussian measures closeness.
 struct Approach {
-  double distance;    ///< [m] from the ray's origin to the closest approach
-  double likelihood;  ///< exp(-d_M^2 / 2) in [0, 1]
+  double share;                ///< of the ray, at least 0; beyond 1 it lies behind the ray's end
+  double mahalanobis_squared;  ///< d_M^2; the leaf's likelihood relative to its peak is exp(-d_M^2 / 2)
 };
 Approach closest_approach(const Ray& ray, const Gaussian& leaf);
 
