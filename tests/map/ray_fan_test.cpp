@@ -32,10 +32,12 @@ std::vector<Meeting> met_by_fan(const Octree& octree, const Vector3d& origin,
   std::vector<Meeting> meetings;
   const RayFan fan(octree.grid(), origin, targets);
   for (const PlacedBrick& brick : octree.bricks_in(fan.voxels())) {
-    fan.for_each_met(brick, [&](std::uint32_t ray, VoxelKey key, const Leaf& leaf) {
-      EXPECT_EQ(&leaf, octree.find(key));
-      meetings.push_back({ray, key});
-    });
+    fan.for_each_met(brick,
+                     [&](std::uint32_t ray, const RayFan::Target& target, VoxelKey key, const Leaf& leaf) {
+                       EXPECT_EQ(&leaf, octree.find(key));
+                       EXPECT_EQ(target.end_map, targets[ray].end_map);
+                       meetings.push_back({ray, key});
+                     });
   }
   std::sort(meetings.begin(), meetings.end());
   return meetings;

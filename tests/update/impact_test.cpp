@@ -92,11 +92,9 @@ TEST(ClosestResemblance, SurvivesLargePositiveLinearTerms) {
 
 TEST(BundleAt, TravelsFromTheOriginAndWidens) {
   const Ray ray{Vector3d(1, 2, 3), Vector3d(5, 2, 3)};
-  const Gaussian bundle{ray.end, Vector3d(1, 2, 3).asDiagonal(), 7};
-  const Gaussian half = bundle_at(0.25, ray, bundle);
+  const Gaussian half = bundle_at(0.25, ray, Vector3d(1, 2, 3).asDiagonal());
   EXPECT_TRUE(half.mean.isApprox(Vector3d(2, 2, 3)));
   EXPECT_TRUE(half.covariance.isApprox(Matrix3d(Vector3d(0.25, 0.5, 0.75).asDiagonal())));
-  EXPECT_EQ(half.count, 7);
 }
 
 TEST(DensestOverlap, MaximizesTheProductOfBothDensities) {
@@ -263,8 +261,8 @@ TEST(PlaneOf, IsFlatOnlyBelowAFifthOfTheMiddleVariance) {
 /// A patch of ground at the origin, 1 cm thick, and rays along x that pass it.
 class DefaultImpact : public ::testing::Test {
  protected:
-  double of(const Ray& ray, double free_length = 1e9) const {
-    return impact(ground_, ray, {ray.end, 1e-4 * Matrix3d::Identity(), 5}, free_length, parameters_);
+  double of(const Ray& ray, double free_share = 1) const {
+    return impact(ground_, ray, 1e-4 * Matrix3d::Identity(), free_share, parameters_);
   }
 
   Gaussian ground_{Vector3d::Zero(), Vector3d(0.01, 0.01, 0.0001).asDiagonal(), 50};
@@ -310,10 +308,10 @@ TEST_F(DefaultImpact, SmallImpactsAreIgnored) {
   EXPECT_EQ(of(beside), 0);
 }
 
-TEST_F(DefaultImpact, SaysNothingBeyondTheFreeLength) {
-  const double distance = std::sqrt(40);  // to the mean
-  EXPECT_EQ(of(through_, distance - 1e-6), 0);
-  EXPECT_NEAR(of(through_, distance + 1e-6), 1, 1e-12);
+TEST_F(DefaultImpact, SaysNothingBeyondTheFreeShare) {
+  const double to_mean = 6.0 / 9;
+  EXPECT_EQ(of(through_, to_mean - 1e-6), 0);
+  EXPECT_NEAR(of(through_, to_mean + 1e-6), 1, 1e-12);
 }
 
 TEST(PaperImpact, IsEquation5WhereTheBundleResemblesTheLeafMost) {
@@ -325,12 +323,11 @@ TEST(PaperImpact, IsEquation5WhereTheBundleResemblesTheLeafMost) {
     e.leaf.covariance = random.covariance(0.02, 0.15);
     e.leaf.mean = e.ray.origin + 0.5 * (e.ray.end - e.ray.origin) + random.in_cube(0.3);
     const auto t = static_cast<double>(std::min(1.0L, TravellingDivergence(e).minimum()));
-    const double length = e.ray.length();
     for (const auto rule : {ImpactRule::kEquation5Inverse, ImpactRule::kEquation5Printed}) {
       parameters.impact = rule;
       const double expected = equation5(e.leaf, travelling(e, t), rule);
-      EXPECT_NEAR(impact(e.leaf, e.ray, e.bundle, length, parameters), expected, 1e-6);
-      EXPECT_EQ(impact(e.leaf, e.ray, e.bundle, t * length * (1 - 1e-6), parameters), 0);
+      EXPECT_NEAR(impact(e.leaf, e.ray, e.bundle.covariance, 1, parameters), expected, 1e-6);
+      EXPECT_EQ(impact(e.leaf, e.ray, e.bundle.covariance, t * (1 - 1e-6), parameters), 0);
       ++seen[expected == 0 ? 0 : expected < 1 ? 1 : 2];
     }
   }

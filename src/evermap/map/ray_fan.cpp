@@ -53,8 +53,8 @@ RayFan::RayFan(const VoxelGrid& grid, const Eigen::Vector3d& origin_map, std::sp
     const std::size_t row = part(height(across, direction.z()), 1, kRows, 0);
     const std::size_t column = across > 0 ? part(azimuth(direction.x(), direction.y()), 2, kColumns, 0) : 0;
     const auto cell = static_cast<std::uint32_t>(row * kColumns + column);
-    unsorted.push_back({direction, VoxelRay::towards(origin_, direction).inverse, targets[i].until,
-                        static_cast<std::uint32_t>(i), cell});
+    unsorted.push_back(
+        {targets[i], VoxelRay::towards(origin_, direction).inverse, static_cast<std::uint32_t>(i), cell});
     ++cell_begin_[cell + 1];
   }
   if (unsorted.empty()) return;

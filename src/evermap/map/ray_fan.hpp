@@ -40,7 +40,7 @@ class RayFan {
   /// A box around all voxels that the rays pass through; empty when there is no ray.
   const Eigen::AlignedBox3i& voxels() const { return voxels_; }
 
-  /// Visits each leaf of the brick that a ray meets: `visit(target index, key, leaf)`. Rays come in a fixed
+  /// Visits each leaf of the brick that a ray meets: `visit(index, target, key, leaf)`. Rays come in a fixed
   /// order, the leaves of a ray front to back.
   template <class Visit>
   void for_each_met(const PlacedBrick& placed, Visit&& visit) const {
@@ -63,10 +63,9 @@ class RayFan {
 
   /// A VoxelRay of the common origin; one cache line.
   struct alignas(64) FanRay {
-    Eigen::Vector3d direction;  ///< [voxels]
+    Target target;
     Eigen::Vector3d inverse;
-    double until;
-    std::uint32_t target;
+    std::uint32_t index;  ///< of the target
     std::uint32_t cell;
   };
 
@@ -86,22 +85,22 @@ class RayFan {
     const Eigen::Array3d to_high = box.max().array() * ray.inverse.array();
     const double entry = to_low.min(to_high).maxCoeff();
     const double exit = to_low.max(to_high).minCoeff();
-    return entry <= exit && exit >= 0 && entry <= ray.until;
+    return entry <= exit && exit >= 0 && entry <= ray.target.until;
   }
 
   template <class Visit>
   void meet(const FanRay& ray, const PlacedBrick& placed, const Eigen::AlignedBox3i& bounds,
             Visit&& visit) const {
-    VoxelWalk walk({origin_, ray.direction, ray.inverse}, start_);
+    VoxelWalk walk({origin_, ray.inverse}, start_);
     if (!bounds.contains(start_)) {
       const VoxelWalk::Crossing entry = walk.entry_into(bounds);
       if (entry.time < 0) return;  // the ray begins on a face and moves away
       walk.leap(entry);
     }
-    for (; walk.entry() <= ray.until && bounds.contains(walk.voxel()); walk.step()) {
+    for (; walk.entry() <= ray.target.until && bounds.contains(walk.voxel()); walk.step()) {
       const VoxelKey key = placed.key(walk.voxel());
       const Leaf* leaf = placed.brick->find(key.voxel_in_brick());
-      if (leaf != nullptr) visit(ray.target, key, *leaf);
+      if (leaf != nullptr) visit(ray.index, ray.target, key, *leaf);
     }
   }
 

@@ -17,9 +17,8 @@ namespace evermap {
 
 /// A ray in units of voxels, prepared to tell when it crosses which boundary.
 struct VoxelRay {
-  Eigen::Vector3d origin;     ///< [voxels]
-  Eigen::Vector3d direction;  ///< [voxels] the whole ray
-  Eigen::Vector3d inverse;    ///< 1 / direction, finite: 0 * inverse is 0
+  Eigen::Vector3d origin;   ///< [voxels]
+  Eigen::Vector3d inverse;  ///< 1 / length along each axis [1 / voxels], finite: 0 * inverse is 0
 
   static VoxelRay of(const VoxelGrid& grid, const Ray& ray) {
     return towards((ray.origin - grid.origin) / grid.edge, (ray.end - ray.origin) / grid.edge);
@@ -28,7 +27,7 @@ struct VoxelRay {
     // An axis along which the ray stands still counts as ascending, and is crossed after all time.
     constexpr double kHuge = std::numeric_limits<double>::max();
     const Eigen::Vector3d inverse = direction.cwiseInverse().cwiseMin(kHuge).cwiseMax(-kHuge);
-    return {origin, direction, (direction.array() == 0).select(kHuge, inverse)};
+    return {origin, (direction.array() == 0).select(kHuge, inverse)};
   }
 
   bool ascends(int axis) const { return inverse[axis] > 0; }
@@ -123,7 +122,7 @@ class VoxelWalk {
       return time < at.time || (time == at.time && axis < at.axis);
     };
     const int now = voxel_[axis];
-    const auto guess = static_cast<int>(std::floor(ray_.origin[axis] + ray_.direction[axis] * at.time));
+    const auto guess = static_cast<int>(std::floor(ray_.origin[axis] + at.time / ray_.inverse[axis]));
     if (ray_.ascends(axis)) {
       int index = std::max(now, guess);
       while (index > now && !crossed(index)) --index;

@@ -18,29 +18,29 @@ namespace {
 
 constexpr std::size_t kGrain = 32;  ///< bundles or leaves per task: some 0.1 ms of work
 
-/// How far the ray is known to be free [m]: range noise forbids a verdict just before the hit.
-double free_length(const Ray& ray, const Gaussian& bundle, const UpdateParameters& parameters) {
+/// The share of the ray that is known to be free: range noise forbids a verdict just before the hit.
+double free_share(const Ray& ray, const Gaussian& bundle, const UpdateParameters& parameters) {
   const double length = ray.length();
   const Eigen::Vector3d u = (ray.end - ray.origin) / length;
   const double sigma_along = std::sqrt(u.dot(bundle.covariance * u));
-  return length - std::max(parameters.end_guard, 3 * parameters.lidar.range_sigma + 2 * sigma_along);
+  return 1 - std::max(parameters.end_guard, 3 * parameters.lidar.range_sigma + 2 * sigma_along) / length;
 }
 
 /// Who contradicts the leaves of one brick, sorted by leaf.
-void gather(const Octree& octree, const BundleGrid& bundles, const std::vector<RayFan::Target>& targets,
-            const RayFan& fan, const PlacedBrick& brick, const UpdateParameters& parameters,
-            std::vector<Contradiction>& found) {
+void gather(const Octree& octree, const BundleGrid& bundles, const RayFan& fan, const PlacedBrick& brick,
+            const UpdateParameters& parameters, std::vector<Contradiction>& found) {
   // A hit voxel takes no miss; it is looked at all the same when its geometry may be trimmed.
   const bool trims = parameters.difference != Difference::kNone;
   const auto begin = static_cast<std::ptrdiff_t>(found.size());
-  fan.for_each_met(brick, [&](std::uint32_t index, VoxelKey key, const Leaf& leaf) {
-    const RayBundle& bundle = bundles.bundles()[index];
-    const Ray ray{bundles.origin_map, bundle.points.mean};
-    const double free = targets[index].until * ray.length();
-    const double value = impact(octree.gaussian(key, leaf), ray, bundle.points, free, parameters);
-    if (value <= 0 || key == bundle.key || (!trims && bundles.find(key) != nullptr)) return;
-    found.push_back({key, index, static_cast<float>(value)});
-  });
+  fan.for_each_met(
+      brick, [&](std::uint32_t index, const RayFan::Target& target, VoxelKey key, const Leaf& leaf) {
+        const RayBundle& bundle = bundles.bundles()[index];
+        const Ray ray{bundles.origin_map, target.end_map};
+        const double value =
+            impact(octree.gaussian(key, leaf), ray, bundle.points.covariance, target.until, parameters);
+        if (value <= 0 || key == bundle.key || (!trims && bundles.find(key) != nullptr)) return;
+        found.push_back({key, index, static_cast<float>(value)});
+      });
   std::sort(found.begin() + begin, found.end(), [](const Contradiction& a, const Contradiction& b) {
     return a.leaf != b.leaf ? a.leaf < b.leaf : a.bundle < b.bundle;
   });
@@ -54,7 +54,7 @@ std::vector<Contradiction> find_contradictions(const Octree& octree, const Bundl
   targets.reserve(bundles.bundles().size());
   for (const RayBundle& bundle : bundles.bundles()) {
     const Ray ray{bundles.origin_map, bundle.points.mean};
-    targets.push_back({ray.end, free_length(ray, bundle.points, parameters) / ray.length()});
+    targets.push_back({ray.end, free_share(ray, bundle.points, parameters)});
   }
   const RayFan fan(octree.grid(), bundles.origin_map, targets);
   const std::vector<PlacedBrick> bricks = octree.bricks_in(fan.voxels());
@@ -62,7 +62,7 @@ std::vector<Contradiction> find_contradictions(const Octree& octree, const Bundl
   oneapi::tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t chunk) {
     const std::size_t end = std::min(bricks.size(), (chunk + 1) * kGrain);
     for (std::size_t i = chunk * kGrain; i < end; ++i) {
-      gather(octree, bundles, targets, fan, bricks[i], parameters, chunks[chunk]);
+      gather(octree, bundles, fan, bricks[i], parameters, chunks[chunk]);
     }
   });
   std::vector<Contradiction> all;

@@ -23,8 +23,8 @@ double closest_resemblance(const Ray& ray, const Eigen::Matrix3d& bundle_covaria
   return std::min(t, 1.0);
 }
 
-Gaussian bundle_at(double t, const Ray& ray, const Gaussian& bundle) {
-  return {ray.origin + t * (ray.end - ray.origin), t * bundle.covariance, bundle.count};
+Gaussian bundle_at(double t, const Ray& ray, const Eigen::Matrix3d& bundle_covariance) {
+  return {ray.origin + t * (ray.end - ray.origin), t * bundle_covariance, 0};
 }
 
 Eigen::Vector3d densest_overlap(const Gaussian& leaf, const Gaussian& bundle_t) {
@@ -70,14 +70,14 @@ Plane plane_of(const Gaussian& leaf) {
 
 namespace {
 
-double default_impact(const Gaussian& leaf, const Ray& ray, double free_length,
+double default_impact(const Gaussian& leaf, const Ray& ray, double free_share,
                       const UpdateParameters& parameters) {
   const Approach approach = closest_approach(ray, leaf);
   const double exponent = 0.5 * approach.mahalanobis_squared;
   // exp(-x) <= 1 / (1 + x) turns most rays away before anything dear is computed.
   if (parameters.least_impact * (1 + exponent) > 1) return 0;
   const double likelihood = std::exp(-exponent);
-  if (likelihood < parameters.least_impact || approach.share * ray.length() > free_length) return 0;
+  if (likelihood < parameters.least_impact || approach.share > free_share) return 0;
   if (!parameters.surface_crossing && !parameters.incidence_weight) return likelihood;
   const Plane plane = plane_of(leaf);
   if (!plane.flat) return likelihood;
@@ -93,14 +93,14 @@ double default_impact(const Gaussian& leaf, const Ray& ray, double free_length,
 
 }  // namespace
 
-double impact(const Gaussian& leaf, const Ray& ray, const Gaussian& bundle, double free_length,
-              const UpdateParameters& parameters) {
+double impact(const Gaussian& leaf, const Ray& ray, const Eigen::Matrix3d& bundle_covariance,
+              double free_share, const UpdateParameters& parameters) {
   if (parameters.impact == ImpactRule::kClosestApproach) {
-    return default_impact(leaf, ray, free_length, parameters);
+    return default_impact(leaf, ray, free_share, parameters);
   }
-  const double t = closest_resemblance(ray, bundle.covariance, leaf);
-  if (t * ray.length() > free_length) return 0;
-  return equation5(leaf, bundle_at(t, ray, bundle), parameters.impact);
+  const double t = closest_resemblance(ray, bundle_covariance, leaf);
+  if (t > free_share) return 0;
+  return equation5(leaf, bundle_at(t, ray, bundle_covariance), parameters.impact);
 }
 
 }  // namespace evermap

@@ -17,7 +17,7 @@ namespace evermap {
 double closest_resemblance(const Ray& ray, const Eigen::Matrix3d& bundle_covariance, const Gaussian& leaf);
 
 /// The travelling bundle at t: N(o + t d, t S_R).
-Gaussian bundle_at(double t, const Ray& ray, const Gaussian& bundle);
+Gaussian bundle_at(double t, const Ray& ray, const Eigen::Matrix3d& bundle_covariance);
 
 /// Equation (4): where the product of both densities is greatest.
 Eigen::Vector3d densest_overlap(const Gaussian& leaf, const Gaussian& bundle_t);
@@ -41,8 +41,8 @@ struct Plane {
 Plane plane_of(const Gaussian& leaf);
 
 /// Impact in [0, 1] of one bundle's ray on a leaf that it passes through, by the rules of `parameters`. Pure.
-/// `free_length` [m]: the share of the ray that is known to be free; beyond it the ray says nothing.
-double impact(const Gaussian& leaf, const Ray& ray, const Gaussian& bundle, double free_length,
-              const UpdateParameters& parameters);
+/// `free_share`: of the ray, is known to be free; beyond it the ray says nothing.
+double impact(const Gaussian& leaf, const Ray& ray, const Eigen::Matrix3d& bundle_covariance,
+              double free_share, const UpdateParameters& parameters);
 
 }  // namespace evermap

@@ -41,7 +41,7 @@ void trim(Leaf& leaf, const Eigen::Vector3d& center_map, double thickness,
       surface = soft_difference(surface, ray, bundle, static_cast<double>(c.impact));
     } else {
       const double t = closest_resemblance(ray, bundle.covariance, surface);
-      surface = sigma_point_difference(surface, bundle_at(t, ray, bundle)).value_or(surface);
+      surface = sigma_point_difference(surface, bundle_at(t, ray, bundle.covariance)).value_or(surface);
     }
     surface.covariance = floor_eigenvalues(surface.covariance, thickness * thickness / 4);
   }
