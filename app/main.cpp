@@ -50,6 +50,7 @@ void set_up(CLI::App& app, bool& is_verbose) {
   evermap::add_evaluate(app);
   evermap::add_demo(app);
   evermap::add_experiment(app);
+  evermap::add_simulate(app);
 }
 
 }  // namespace

@@ -17,5 +17,6 @@ void add_config(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_demo(CLI::App& app);
 void add_experiment(CLI::App& app);
+void add_simulate(CLI::App& app);
 
 }  // namespace evermap

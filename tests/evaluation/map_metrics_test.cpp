@@ -91,6 +91,47 @@ TEST(MapMetrics, AnEmptyMapCoversNothingAndHasNoAccuracy) {
   EXPECT_TRUE(std::isnan(compare_surfaces({}, {}).average_hausdorff_distance()));
 }
 
+TEST(MapMetrics, LargeSetsAreComparedPointByPoint) {
+  std::mt19937 generator(1);
+  const Points truth = random_points(generator, 3000);
+  const Points map = random_points(generator, 2000);
+  const auto nearest = nearest_by_brute_force(truth, map);
+  const auto distances = nearest_distances(truth, map);
+  ASSERT_EQ(distances.size(), nearest.size());
+  for (std::size_t i = 0; i < nearest.size(); ++i) ASSERT_NEAR(distances[i], nearest[i], 1e-12);
+  EXPECT_EQ(compare_surfaces(truth, map).truth_to_map, distances) << "each time the same bits";
+}
+
+// The definitions by counting: of n static and n removed points, how many a map treats as it should.
+RC_GTEST_PROP(MapMetrics, AccuraciesOfCountedPoints, (unsigned seed)) {
+  std::mt19937 generator(seed);
+  const Points unchanged = random_points(generator, 50);
+  const Points removed = random_points(generator, 50);
+  const auto claim = [](const Eigen::Vector3d& p) { return p.x() + p.y() > 0; };
+  int kept = 0;
+  int erased = 0;
+  for (const auto& p : unchanged) kept += claim(p) ? 1 : 0;
+  for (const auto& p : removed) erased += claim(p) ? 0 : 1;
+  const double sa = share_true(unchanged, claim);
+  const double da = 1 - share_true(removed, claim);
+  RC_ASSERT(std::abs(sa - kept / 50.0) < 1e-12);
+  RC_ASSERT(std::abs(da - erased / 50.0) < 1e-12);
+  RC_ASSERT(std::abs(std::pow(associated_accuracy(sa, da), 2) * 2500 - kept * erased) < 1e-9);
+  if (kept > 0 && erased > 0) {
+    const double mean_of_inverses = (50.0 / kept + 50.0 / erased) / 2;
+    RC_ASSERT(std::abs(1 / harmonic_accuracy(sa, da) - mean_of_inverses) < 1e-9);
+  }
+}
+
+TEST(MapMetrics, NoMapWinsByKeepingOrErasingEverything) {
+  EXPECT_EQ(associated_accuracy(1, 0), 0);
+  EXPECT_EQ(harmonic_accuracy(1, 0), 0);
+  EXPECT_EQ(harmonic_accuracy(0, 0), 0);
+  EXPECT_TRUE(std::isnan(harmonic_accuracy(std::nan(""), 1)));
+  EXPECT_DOUBLE_EQ(associated_accuracy(0.9, 0.4), 0.6);
+  EXPECT_DOUBLE_EQ(harmonic_accuracy(0.9, 0.6), 0.72);
+}
+
 TEST(MapMetrics, ShareTrueCountsThePredicate) {
   const Points points{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
   EXPECT_DOUBLE_EQ(share_true(points, [](const auto& p) { return p.x() > 0.5; }), 0.75);

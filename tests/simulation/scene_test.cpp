@@ -68,6 +68,64 @@ TEST(Scene, HeapHasItsHeightAndRadius) {
   EXPECT_NEAR(radius, 3, 1e-12);
 }
 
+TEST(Scene, PileIsAsSteepAsItsReposeAndAsHighAsSaid) {
+  constexpr double kRepose = 35 * std::numbers::pi / 180;
+  Scene scene;
+  add_pile(scene, kHeapId, {{1, 2}, 4, kRepose}, slope);
+  double top = 0;
+  for (const auto& p : scene.vertices) top = std::max(top, p.z());
+  EXPECT_NEAR(top, 4 + slope(1, 2), 1e-9);
+  int on_flank = 0;
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    const Triangle3 t = scene.triangle(i);
+    ASSERT_GT(t.scaled_normal().z(), 0);
+    if ((t.a.head<2>() - Eigen::Vector2d(1, 2)).norm() < 2) continue;
+    ++on_flank;
+    EXPECT_NEAR(std::acos(t.scaled_normal().normalized().z()), kRepose, 0.02);
+  }
+  EXPECT_GT(on_flank, 500);
+}
+
+TEST(Scene, PileReachesBelowTheGroundAllAround) {
+  Scene scene;
+  add_pile(scene, kHeapId, {{1, 2}, 2, 0.6, 0.05}, slope);
+  double radius = 0;
+  for (const auto& p : scene.vertices)
+    radius = std::max(radius, (p.head<2>() - Eigen::Vector2d(1, 2)).norm());
+  for (const auto& p : scene.vertices) {
+    if ((p.head<2>() - Eigen::Vector2d(1, 2)).norm() > radius - 1e-6) {
+      EXPECT_LT(p.z(), slope(p.x(), p.y()));
+    }
+  }
+}
+
+TEST(Scene, PileIsRoughWithinItsBounds) {
+  const auto heights = [](double roughness) {
+    Scene scene;
+    add_pile(scene, kHeapId, {{1, 2}, 3, 0.6, roughness}, flat);
+    return scene.vertices;
+  };
+  const auto smooth = heights(0);
+  const auto rough = heights(0.1);
+  double largest = 0;
+  ASSERT_EQ(smooth.size(), rough.size());
+  for (std::size_t i = 0; i < smooth.size(); ++i) {
+    largest = std::max(largest, std::abs(smooth[i].z() - rough[i].z()));
+  }
+  EXPECT_LE(largest, 0.1);
+  EXPECT_GT(largest, 0.05);
+}
+
+TEST(Scene, MeshStandsWhereItIsPut) {
+  const TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  Scene scene;
+  add_box(scene, kBox, at(0, 0, 0), {1, 1, 1});
+  add_mesh(scene, 7, at(3, -2, 1, std::numbers::pi / 2), mesh);
+  ASSERT_EQ(scene.triangles.size(), 13u);
+  EXPECT_EQ(scene.object.back(), 7);
+  EXPECT_TRUE(scene.triangle(12).b.isApprox(Eigen::Vector3d(3, -1, 1)));
+}
+
 TEST(SampleSurface, HasOnePointPerSquareOfSpacingOnEveryFace) {
   Scene scene;
   add_box(scene, kBox, at(0.3, 0.2, 9, 0.4), {2, 3, 4});

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <evermap/evaluation/labelled_drive.hpp>
+#include <evermap/evaluation/map_metrics.hpp>
 
 namespace evermap {
 namespace {
@@ -68,6 +69,12 @@ void add_to_score(DriveScore& score, const Scan& scan, const Pose& T_map_sensor,
   }
 }
 
-double DriveScore::associated_accuracy() const { return std::sqrt(all_static.value() * removed()); }
+double DriveScore::associated_accuracy() const {
+  return evermap::associated_accuracy(all_static.value(), removed());
+}
+
+double DriveScore::harmonic_accuracy() const {
+  return evermap::harmonic_accuracy(all_static.value(), removed());
+}
 
 }  // namespace evermap

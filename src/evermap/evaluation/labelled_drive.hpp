@@ -42,7 +42,8 @@ struct DriveScore {
   Share moving;
 
   double removed() const { return 1 - moving.value(); }  ///< share of the movers' points that is gone
-  double associated_accuracy() const;                    ///< AA = sqrt(static kept * moving removed)
+  double associated_accuracy() const;                    ///< AA of static kept and moving removed
+  double harmonic_accuracy() const;                      ///< HA of the same
 };
 
 /// Whether a map claims surface at a point [m] of the map frame.

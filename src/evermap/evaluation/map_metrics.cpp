@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 
 #include <nanoflann.hpp>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_invoke.h>
 
 #include <evermap/evaluation/map_metrics.hpp>
 
@@ -27,7 +30,7 @@ struct PointsView {
 };
 
 using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointsView>,
-                                                   PointsView, 3, std::size_t>;
+                                                   PointsView, 3, std::uint32_t>;
 
 double share_within(const std::vector<double>& distances, double tolerance) {
   const auto within =
@@ -45,13 +48,14 @@ std::vector<double> nearest_distances(const Points& from, const Points& to) {
   std::vector<double> distances(from.size(), std::numeric_limits<double>::infinity());
   if (to.empty()) return distances;
   const PointsView view{to};
-  const KdTree tree(3, view);
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    std::size_t nearest = 0;
+  constexpr std::size_t kPointsOfLeaf = 16;  // the fastest of 4 to 24 for 1e6 points of surfaces
+  const KdTree tree(3, view, {kPointsOfLeaf});
+  oneapi::tbb::parallel_for(std::size_t{0}, from.size(), [&](std::size_t i) {
+    std::uint32_t nearest = 0;
     double squared = 0;
     tree.knnSearch(from[i].data(), 1, &nearest, &squared);
     distances[i] = std::sqrt(squared);
-  }
+  });
   return distances;
 }
 
@@ -64,12 +68,24 @@ double SurfaceComparison::average_hausdorff_distance() const {
 }
 
 SurfaceComparison compare_surfaces(const Points& truth, const Points& map) {
-  return {nearest_distances(truth, map), nearest_distances(map, truth)};
+  SurfaceComparison comparison;
+  oneapi::tbb::parallel_invoke([&] { comparison.truth_to_map = nearest_distances(truth, map); },
+                               [&] { comparison.map_to_truth = nearest_distances(map, truth); });
+  return comparison;
 }
 
 double share_true(const Points& points, const std::function<bool(const Eigen::Vector3d&)>& predicate) {
   return static_cast<double>(std::count_if(points.begin(), points.end(), predicate)) /
          static_cast<double>(points.size());
+}
+
+double associated_accuracy(double static_accuracy, double dynamic_accuracy) {
+  return std::sqrt(static_accuracy * dynamic_accuracy);
+}
+
+double harmonic_accuracy(double static_accuracy, double dynamic_accuracy) {
+  const double sum = static_accuracy + dynamic_accuracy;
+  return sum == 0 ? 0 : 2 * static_accuracy * dynamic_accuracy / sum;
 }
 
 }  // namespace evermap

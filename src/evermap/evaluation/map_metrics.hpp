@@ -12,7 +12,8 @@ namespace evermap {
 /// A set of points of one frame, [m].
 using Points = std::vector<Eigen::Vector3d>;
 
-/// Distance [m] from each point of `from` to the nearest point of `to`; infinity when `to` is empty.
+/// Distance [m] from each point of `from` to the nearest point of `to`; infinity when `to` is empty. Runs in
+/// parallel in the caller's TBB arena, with the same result for any number of threads.
 std::vector<double> nearest_distances(const Points& from, const Points& to);
 
 /// How well the points of a map, one per leaf, stand for the true surface. Of an empty set the share and the
@@ -28,10 +29,16 @@ struct SurfaceComparison {
   double average_hausdorff_distance() const;  ///< AHD [m]: the larger of the two means
 };
 
+/// In parallel, like nearest_distances.
 SurfaceComparison compare_surfaces(const Points& truth, const Points& map);
 
 /// Share of `points` of which `predicate` ("the map still claims this point") is true; NaN without points.
 /// Over unchanged surface it is the static accuracy SA, over removed surface 1 - DA.
 double share_true(const Points& points, const std::function<bool(const Eigen::Vector3d&)>& predicate);
+
+/// AA and HA: the geometric and the harmonic mean of SA and DA. Both are 0 when one of the two is, so no map
+/// wins by keeping or by erasing everything.
+double associated_accuracy(double static_accuracy, double dynamic_accuracy);
+double harmonic_accuracy(double static_accuracy, double dynamic_accuracy);
 
 }  // namespace evermap

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <octomap/octomap.h>
 
+#include <evermap/evaluation/leaf_cube.hpp>
 #include <evermap/evaluation/octomap_baseline.hpp>
 
 namespace evermap {
@@ -34,10 +35,17 @@ void OctoMapBaseline::insert_surface(const Points& points_map) {
 
 void OctoMapBaseline::insert_scan(const Eigen::Vector3d& origin_map, const Points& points_map,
                                   double max_range) {
-  octomap::Pointcloud cloud;
-  cloud.reserve(points_map.size());
-  for (const Eigen::Vector3d& p_map : points_map) cloud.push_back(to_octomap(p_map));
-  tree_->insertPointCloud(cloud, to_octomap(origin_map), max_range);
+  prepare_scan(origin_map, points_map, max_range)();
+}
+
+std::function<void()> OctoMapBaseline::prepare_scan(const Eigen::Vector3d& origin_map,
+                                                    const Points& points_map, double max_range) {
+  const auto cloud = std::make_shared<octomap::Pointcloud>();
+  cloud->reserve(points_map.size());
+  for (const Eigen::Vector3d& p_map : points_map) cloud->push_back(to_octomap(p_map));
+  return [&tree = *tree_, origin = to_octomap(origin_map), cloud, max_range] {
+    tree.insertPointCloud(*cloud, origin, max_range);
+  };
 }
 
 bool OctoMapBaseline::occupied(const Eigen::Vector3d& p_map) const {
@@ -50,15 +58,8 @@ Points OctoMapBaseline::occupied_centers() const {
   const double edge = tree_->getResolution();
   for (auto leaf = tree_->begin_leafs(); leaf != tree_->end_leafs(); ++leaf) {
     if (!tree_->isNodeOccupied(*leaf)) continue;
-    // A pruned node stands for a cube of equal leaves.
     const int per_edge = 1 << (tree_->getTreeDepth() - leaf.getDepth());
-    const Eigen::Vector3d middle(leaf.getX(), leaf.getY(), leaf.getZ());
-    const Eigen::Vector3d first = middle.array() - 0.5 * edge * (per_edge - 1);
-    for (int z = 0; z < per_edge; ++z) {
-      for (int y = 0; y < per_edge; ++y) {
-        for (int x = 0; x < per_edge; ++x) centers.emplace_back(first + edge * Eigen::Vector3d(x, y, z));
-      }
-    }
+    add_leaf_centers({leaf.getX(), leaf.getY(), leaf.getZ()}, edge, per_edge, centers);
   }
   return centers;
 }

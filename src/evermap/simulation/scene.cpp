@@ -6,6 +6,7 @@
 
 #include <evermap/simulation/scene.hpp>
 #include <evermap/simulation/surface_index.hpp>
+#include <evermap/simulation/terrain.hpp>
 
 namespace evermap {
 namespace {
@@ -19,6 +20,40 @@ void add_triangle(Scene& scene, int object, std::uint32_t a, std::uint32_t b, st
 void add_quad(Scene& scene, int object, const std::array<std::uint32_t, 4>& q) {
   add_triangle(scene, object, q[0], q[1], q[2]);
   add_triangle(scene, object, q[0], q[2], q[3]);
+}
+
+Eigen::Vector2d polar(double radius, double angle) {
+  return radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+}
+
+/// How a round surface is divided.
+struct Disc {
+  std::uint32_t rings;
+  std::uint32_t sectors;
+};
+
+/// Adds a surface whose point at a share of its radius and an angle [rad] is `vertex_at(share, angle)`.
+template <class VertexAt>
+void add_disc(Scene& scene, int object, const Disc& disc, const VertexAt& vertex_at) {
+  const auto top = static_cast<std::uint32_t>(scene.vertices.size());
+  scene.vertices.push_back(vertex_at(0.0, 0.0));
+  for (std::uint32_t ring = 1; ring <= disc.rings; ++ring) {
+    for (std::uint32_t sector = 0; sector < disc.sectors; ++sector) {
+      scene.vertices.push_back(
+          vertex_at(static_cast<double>(ring) / disc.rings, 2 * std::numbers::pi * sector / disc.sectors));
+    }
+  }
+  const auto vertex = [&](std::uint32_t ring, std::uint32_t sector) {
+    return top + 1 + (ring - 1) * disc.sectors + sector % disc.sectors;
+  };
+  for (std::uint32_t sector = 0; sector < disc.sectors; ++sector) {
+    add_triangle(scene, object, top, vertex(1, sector), vertex(1, sector + 1));
+    for (std::uint32_t ring = 1; ring < disc.rings; ++ring) {
+      add_quad(scene, object,
+               {vertex(ring, sector), vertex(ring + 1, sector), vertex(ring + 1, sector + 1),
+                vertex(ring, sector + 1)});
+    }
+  }
 }
 
 /// Two axes that span the plane across `normal`; planes of like normals get like axes, so that the lattices
@@ -89,32 +124,36 @@ void add_box(Scene& scene, int object, const Pose& T_map_box, const Eigen::Vecto
 }
 
 void add_heap(Scene& scene, int object, const Heap& heap, const HeightFunction& ground) {
-  constexpr std::uint32_t kRings = 16;
-  constexpr std::uint32_t kSectors = 48;
-  const auto top = static_cast<std::uint32_t>(scene.vertices.size());
-  const auto add_vertex = [&](double share_of_radius, double angle) {
-    const Eigen::Vector2d p =
-        heap.center + share_of_radius * heap.radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  constexpr Disc kDisc{16, 48};
+  add_disc(scene, object, kDisc, [&](double share_of_radius, double angle) {
+    const Eigen::Vector2d p = heap.center + polar(share_of_radius * heap.radius, angle);
     const double rise = 0.5 * heap.height * (1 + std::cos(std::numbers::pi * share_of_radius));
-    scene.vertices.emplace_back(p.x(), p.y(), ground(p.x(), p.y()) + rise);
-  };
-  add_vertex(0, 0);
-  for (std::uint32_t ring = 1; ring <= kRings; ++ring) {
-    for (std::uint32_t sector = 0; sector < kSectors; ++sector) {
-      add_vertex(static_cast<double>(ring) / kRings, 2 * std::numbers::pi * sector / kSectors);
-    }
-  }
-  const auto vertex = [&](std::uint32_t ring, std::uint32_t sector) {
-    return top + 1 + (ring - 1) * kSectors + sector % kSectors;
-  };
-  for (std::uint32_t sector = 0; sector < kSectors; ++sector) {
-    add_triangle(scene, object, top, vertex(1, sector), vertex(1, sector + 1));
-    for (std::uint32_t ring = 1; ring < kRings; ++ring) {
-      add_quad(scene, object,
-               {vertex(ring, sector), vertex(ring + 1, sector), vertex(ring + 1, sector + 1),
-                vertex(ring, sector + 1)});
-    }
-  }
+    return Eigen::Vector3d(p.x(), p.y(), ground(p.x(), p.y()) + rise);
+  });
+}
+
+void add_pile(Scene& scene, int object, const Pile& pile, const HeightFunction& ground) {
+  constexpr double kTip = 0.3;    ///< [m] radius of the blunt tip
+  constexpr double kStep = 0.4;   ///< [m] between vertices, about
+  constexpr double kSkirt = 1.0;  ///< [m] down to which the ground may fall away
+  const double grade = std::tan(pile.repose);
+  const double top = ground(pile.center.x(), pile.center.y()) + pile.height;
+  const double radius = (pile.height + kSkirt) / grade + kTip;
+  const HeightFunction bumps = roughness({pile.roughness, 2 * kStep, pile.seed});
+  const Disc disc{static_cast<std::uint32_t>(std::ceil(radius / kStep)),
+                  static_cast<std::uint32_t>(std::ceil(2 * std::numbers::pi * radius / kStep))};
+  add_disc(scene, object, disc, [&](double share_of_radius, double angle) {
+    const double r = share_of_radius * radius;
+    const Eigen::Vector2d p = pile.center + polar(r, angle);
+    const double fall = grade * (std::hypot(r, kTip) - kTip);
+    return Eigen::Vector3d(p.x(), p.y(), top - fall + bumps(p.x(), p.y()));
+  });
+}
+
+void add_mesh(Scene& scene, int object, const Pose& T_map_mesh, const TriangleMesh& mesh) {
+  const auto first = static_cast<std::uint32_t>(scene.vertices.size());
+  for (const Eigen::Vector3d& p_mesh : mesh.vertices) scene.vertices.push_back(T_map_mesh * p_mesh);
+  for (const auto& [a, b, c] : mesh.triangles) add_triangle(scene, object, first + a, first + b, first + c);
 }
 
 std::vector<SurfaceSample> sample_surface(const Scene& scene, double spacing) {

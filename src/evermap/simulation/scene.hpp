@@ -52,6 +52,27 @@ struct Heap {
 /// Adds a heap that lies on `ground`.
 void add_heap(Scene& scene, int object, const Heap& heap, const HeightFunction& ground);
 
+/// Poured gravel: a cone as steep as loose material can lie, its tip blunt, its skin rough.
+struct Pile {
+  Eigen::Vector2d center;  ///< [m]
+  double height;           ///< [m] of the top above the ground there, > 0
+  double repose;           ///< [rad] angle to the level, in (0, pi/2)
+  double roughness = 0;    ///< [m] largest deviation to either side
+  std::uint64_t seed = 1;  ///< of the roughness, which belongs to the place: a growing pile keeps its bumps
+};
+
+/// Adds a pile that lies on `ground`, however that slopes: its skirt goes on below the ground.
+void add_pile(Scene& scene, int object, const Pile& pile, const HeightFunction& ground);
+
+/// The surface of a thing of any shape, in a frame of its own: [m], triangles counter-clockwise seen from
+/// outside, indices below the number of vertices.
+struct TriangleMesh {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+void add_mesh(Scene& scene, int object, const Pose& T_map_mesh, const TriangleMesh& mesh);
+
 /// A point of a surface.
 struct SurfaceSample {
   Eigen::Vector3d p_map;  ///< [m]

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include <evermap/geometry/pose.hpp>
 #include <evermap/scan/scan.hpp>
 #include <evermap/simulation/lidar_model.hpp>
+#include <evermap/simulation/ray_caster.hpp>
 #include <evermap/simulation/scene.hpp>
 
 namespace evermap {
@@ -29,9 +29,6 @@ class Simulator {
  public:
   /// Copies what it needs of the scene. Throws std::runtime_error when the ray caster cannot be set up.
   explicit Simulator(const Scene& scene);
-  ~Simulator();
-  Simulator(Simulator&&) noexcept;
-  Simulator& operator=(Simulator&&) noexcept;
 
   /// One revolution with the sensor held still. Ranges carry normal noise that depends on `seed` and the beam
   /// alone: the same arguments give the same scan, bit by bit and in any thread. Another machine may differ
@@ -48,8 +45,7 @@ class Simulator {
   std::optional<double> range(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
 
  private:
-  class RayCaster;
-  std::unique_ptr<const RayCaster> ray_caster_;
+  RayCaster ray_caster_;
 };
 
 }  // namespace evermap

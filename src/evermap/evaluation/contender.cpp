@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <stdexcept>
+
+#include <evermap/evaluation/contender.hpp>
+#include <evermap/evaluation/evermap_contender.hpp>
+#include <evermap/evaluation/octomap_baseline.hpp>
+#include <evermap/evaluation/ufomap_baseline.hpp>
+
+namespace evermap {
+namespace {
+
+/// The survey's map for ever.
+class StaticContender final : public Contender {
+ public:
+  StaticContender(std::string name, double edge, const UpdateParameters& parameters)
+      : Contender(name), map_(std::move(name), edge, parameters) {}
+
+  std::string version() const override { return map_.version(); }
+  void start(const Points& survey_map) override { map_.start(survey_map); }
+  std::function<void()> prepare(const Scan&, const Pose&) override {
+    return [] {};
+  }
+  bool claims(const Eigen::Vector3d& p_map, double position_sigma) const override {
+    return map_.claims(p_map, position_sigma);
+  }
+  Points surface() const override { return map_.surface(); }
+  std::size_t memory_bytes() const override { return map_.memory_bytes(); }
+
+ private:
+  EvermapContender map_;
+};
+
+/// The points [m, map frame] of a scan that a grid is fed.
+using Feed = std::function<Points(const Scan&, const Pose& T_map_sensor)>;
+
+Feed all_points(const LidarParameters& lidar) {
+  return [lidar](const Scan& scan, const Pose& T_map_sensor) {
+    Points p_map;
+    p_map.reserve(scan.p_sensor.size());
+    for (const Eigen::Vector3d& p_sensor : scan.p_sensor) {
+      const double range = p_sensor.norm();
+      if (range >= lidar.min_range && range <= lidar.max_range) p_map.push_back(T_map_sensor * p_sensor);
+    }
+    return p_map;
+  };
+}
+
+Feed voxel_means(double edge, const LidarParameters& lidar) {
+  return [edge, lidar](const Scan& scan, const Pose& T_map_sensor) {
+    const BundleGrid grid = condense(scan, T_map_sensor, VoxelGrid{.edge = edge}, lidar);
+    Points p_map;
+    for (const RayBundle& bundle : grid.bundles()) p_map.push_back(bundle.points.mean);
+    return p_map;
+  };
+}
+
+/// An occupancy grid: OctoMapBaseline or what has the same members.
+template <class Grid>
+class GridContender final : public Contender {
+ public:
+  GridContender(std::string name, double edge, Feed feed)
+      : Contender(std::move(name)), grid_(edge), feed_(std::move(feed)) {}
+
+  std::string version() const override { return Grid::version(); }
+  void start(const Points& survey_map) override { grid_.insert_surface(survey_map); }
+  std::function<void()> prepare(const Scan& scan, const Pose& T_map_sensor) override {
+    return grid_.prepare_scan(T_map_sensor.translation, feed_(scan, T_map_sensor));
+  }
+  bool claims(const Eigen::Vector3d& p_map, double /*position_sigma*/) const override {
+    return grid_.occupied(p_map);
+  }
+  Points surface() const override { return grid_.occupied_centers(); }
+  std::size_t memory_bytes() const override { return grid_.memory_bytes(); }
+
+ private:
+  Grid grid_;
+  Feed feed_;
+};
+
+using Maker = std::unique_ptr<Contender> (*)(std::string name, double edge, const LidarParameters& lidar);
+
+template <class Kind>
+std::unique_ptr<Contender> make_evermap(std::string name, double edge, const LidarParameters& lidar,
+                                        UpdateParameters parameters) {
+  parameters.lidar = lidar;
+  return std::make_unique<Kind>(std::move(name), edge, parameters);
+}
+
+std::unique_ptr<Contender> make_static(std::string name, double edge, const LidarParameters& lidar) {
+  return make_evermap<StaticContender>(std::move(name), edge, lidar, UpdateParameters{});
+}
+
+std::unique_ptr<Contender> make_octomap(std::string name, double edge, const LidarParameters& lidar) {
+  return std::make_unique<GridContender<OctoMapBaseline>>(std::move(name), edge, all_points(lidar));
+}
+
+std::unique_ptr<Contender> make_octomap_of_means(std::string name, double edge,
+                                                 const LidarParameters& lidar) {
+  return std::make_unique<GridContender<OctoMapBaseline>>(std::move(name), edge, voxel_means(edge, lidar));
+}
+
+std::unique_ptr<Contender> make_ufomap([[maybe_unused]] std::string name, [[maybe_unused]] double edge,
+                                       [[maybe_unused]] const LidarParameters& lidar) {
+#ifdef EVERMAP_UFOMAP_VERSION
+  return std::make_unique<GridContender<UfoMapBaseline>>(std::move(name), edge, all_points(lidar));
+#else
+  return nullptr;
+#endif
+}
+
+std::unique_ptr<Contender> make_paper(std::string name, double edge, const LidarParameters& lidar) {
+  return make_evermap<EvermapContender>(std::move(name), edge, lidar, UpdateParameters::paper());
+}
+
+std::unique_ptr<Contender> make_default(std::string name, double edge, const LidarParameters& lidar) {
+  return make_evermap<EvermapContender>(std::move(name), edge, lidar, UpdateParameters{});
+}
+
+const std::vector<std::pair<std::string, Maker>>& makers() {
+  static const std::vector<std::pair<std::string, Maker>> list{
+      {"static map", make_static},
+      {"OctoMap", make_octomap},
+      {"OctoMap, voxel means", make_octomap_of_means},
+      {"UFOMap", make_ufomap},
+      {"evermap paper", make_paper},
+      {"evermap default", make_default},
+  };
+  return list;
+}
+
+}  // namespace
+
+const std::vector<std::string>& contender_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> list;
+    for (const auto& [name, make] : makers()) list.push_back(name);
+    return list;
+  }();
+  return names;
+}
+
+std::unique_ptr<Contender> make_contender(std::string_view name, double edge, const LidarParameters& lidar) {
+  for (const auto& [known, make] : makers()) {
+    if (known == name) return make(known, edge, lidar);
+  }
+  std::string message = "no contender is named \"" + std::string(name) + "\"; there are";
+  for (const std::string& known : contender_names()) message += " \"" + known + "\"";
+  throw std::invalid_argument(message);
+}
+
+}  // namespace evermap

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <evermap/evaluation/map_metrics.hpp>
+#include <evermap/geometry/pose.hpp>
+#include <evermap/scan/ray_bundle.hpp>
+#include <evermap/scan/scan.hpp>
+
+namespace evermap {
+
+/// A way to keep a map, as the experiments see it: start from a survey, take aligned scans, be asked what is
+/// there. All contenders are given the same points: those whose range is within LidarParameters.
+/// Not thread safe.
+class Contender {
+ public:
+  virtual ~Contender() = default;
+
+  const std::string& name() const { return name_; }
+  virtual std::string version() const = 0;  ///< of the library behind it
+
+  /// Makes the map of a survey [m, map frame], as sure as the map can be. REQUIRES: the map is empty.
+  virtual void start(const Points& survey_map) = 0;
+
+  /// The integration of one aligned scan, ready to run. Conversion to the contender's own types is done here,
+  /// so that who times the returned call times the map alone.
+  /// REQUIRES: it is run at most once, in the order of the scans, while the contender and `scan` still are.
+  virtual std::function<void()> prepare(const Scan& scan, const Pose& T_map_sensor) = 0;
+  void update(const Scan& scan, const Pose& T_map_sensor) { prepare(scan, T_map_sensor)(); }
+
+  /// Whether the map shows surface at a point [m, map frame] that is known to `position_sigma` [m]. A map of
+  /// Gaussians: the point lies in its leaf's ellipsoid, widened by position_sigma; a grid: its voxel is
+  /// occupied.
+  virtual bool claims(const Eigen::Vector3d& p_map, double position_sigma) const = 0;
+  /// One point [m, map frame] per occupied leaf: the Gaussian's mean, or the voxel's centre.
+  virtual Points surface() const = 0;
+  virtual std::size_t memory_bytes() const = 0;  ///< by its own account
+
+ protected:
+  explicit Contender(std::string name) : name_(std::move(name)) {}
+  Contender(const Contender&) = default;
+  Contender& operator=(const Contender&) = default;
+
+ private:
+  std::string name_;
+};
+
+/// The contenders by name, in the order of tables:
+/// - "static map": what the survey showed; scans change nothing.
+/// - "OctoMap": an OctoMapBaseline that is fed all points.
+/// - "OctoMap, voxel means": an OctoMapBaseline that is fed one point per voxel and scan, the points' mean.
+/// - "UFOMap": an UfoMapBaseline that is fed all points.
+/// - "evermap paper": UpdateParameters::paper().
+/// - "evermap default": UpdateParameters{}.
+const std::vector<std::string>& contender_names();
+
+/// An empty map with leaves of `edge` [m]; nullptr when evermap was built without the library behind it ("not
+/// installed"). Throws std::invalid_argument, which lists the names, when there is none of this name.
+std::unique_ptr<Contender> make_contender(std::string_view name, double edge,
+                                          const LidarParameters& lidar = {});
+
+}  // namespace evermap

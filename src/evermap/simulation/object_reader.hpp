@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <evermap/simulation/scenario.hpp>
+#include <evermap/simulation/yaml_value.hpp>
+
+namespace evermap {
+
+using Bodies = std::map<std::string, Body>;
+
+/// Bodies by name, see docs/scenarios.md.
+Bodies read_bodies(const YamlValue& value);
+
+/// Where a robot or an object is: the keys `at` and `route`.
+Whereabouts read_whereabouts(const YamlMap& map);
+
+/// Reads the entries of `objects`. One that stands at several places becomes as many objects.
+class ObjectReader {
+ public:
+  /// Mesh files are looked for in `folder`.
+  ObjectReader(Bodies bodies, std::filesystem::path folder)
+      : bodies_(std::move(bodies)), folder_(std::move(folder)) {}
+
+  std::vector<ScenarioObject> read(const YamlValue& value) const;
+
+ private:
+  ScenarioObject read_object(const YamlMap& map) const;
+  std::optional<ObjectState> read_survey(const YamlMap& map, const YamlValue& survey) const;
+  ObjectState read_state(const YamlMap& map) const;
+  Shape read_shape(const YamlMap& map) const;
+  Body read_body(const YamlValue& value) const;
+  TriangleMesh read_mesh_of(const YamlValue& value) const;
+
+  Bodies bodies_;
+  std::filesystem::path folder_;
+};
+
+}  // namespace evermap
