@@ -5,13 +5,13 @@
 # checks the includes against the same table).
 function(evermap_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LINKS;PRIVATE_LINKS" ${ARGN})
-  list(TRANSFORM ARG_SOURCES PREPEND "${CMAKE_SOURCE_DIR}/src/evermap/${name}/")
+  list(TRANSFORM ARG_SOURCES PREPEND "${PROJECT_SOURCE_DIR}/src/evermap/${name}/")
   add_library(evermap_${name} STATIC ${ARG_SOURCES})
   add_library(evermap::${name} ALIAS evermap_${name})
   set_target_properties(evermap_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_compile_features(evermap_${name} PUBLIC cxx_std_20)
   target_include_directories(evermap_${name} PUBLIC
-    $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/src> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   list(TRANSFORM ARG_DEPENDS PREPEND evermap_)
   target_link_libraries(evermap_${name} PUBLIC ${ARG_DEPENDS} ${ARG_LINKS}
     PRIVATE $<BUILD_INTERFACE:evermap_warnings> ${ARG_PRIVATE_LINKS})

@@ -36,6 +36,8 @@ class WideNode {
     if (has(index)) return items_[at];
     mask_[word(index)] |= std::uint64_t{1} << (index & 63);
     update_ranks();
+    // Grown by a quarter, not doubled: most of a map's memory is here.
+    if (items_.size() == items_.capacity()) items_.reserve(items_.size() + 1 + items_.size() / 4);
     return *items_.insert(items_.begin() + static_cast<std::ptrdiff_t>(at), Child{});
   }
 
