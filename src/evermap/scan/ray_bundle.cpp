@@ -68,23 +68,29 @@ void sort_by_key(std::vector<KeyedPoint>& points) {
 
 RayBundle bundle_of(std::span<const KeyedPoint> points, const Scan& scan, const Pose& T_map_sensor,
                     const VoxelGrid& grid, double thickness) {
-  // Moments about the voxel's centre, where coordinates are small and sums lose nothing.
+  // Moments about the voxel's centre, where coordinates are small and sums lose nothing; in scalars, since
+  // the compiler keeps those in registers.
   const Eigen::Vector3d center_map = grid.center(points.front().key);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d sum_of_squares = Eigen::Matrix3d::Zero();
+  double x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   for (const KeyedPoint& point : points) {
-    const Eigen::Vector3d p_voxel = T_map_sensor * scan.p_sensor[point.index] - center_map;
-    sum += p_voxel;
-    sum_of_squares += p_voxel * p_voxel.transpose();
+    const Eigen::Vector3d p = T_map_sensor * scan.p_sensor[point.index] - center_map;
+    x += p.x(), y += p.y(), z += p.z();
+    xx += p.x() * p.x(), xy += p.x() * p.y(), xz += p.x() * p.z();
+    yy += p.y() * p.y(), yz += p.y() * p.z(), zz += p.z() * p.z();
   }
   constexpr double kPriorPoints = 2;  // n0: as much trust in the sensor's noise as in two points
   const auto count = static_cast<double>(points.size());
-  const Eigen::Vector3d mean = sum / count;
-  const Eigen::Matrix3d scatter = sum_of_squares - count * mean * mean.transpose();
-  const Eigen::Matrix3d prior = kPriorPoints * thickness * thickness * Eigen::Matrix3d::Identity();
-  const Eigen::Matrix3d shrunk = (scatter + prior) / (count + kPriorPoints);
-  return {points.front().key,
-          {center_map + mean, floor_eigenvalues(shrunk, thickness * thickness / 4), count}};
+  const double prior = kPriorPoints * thickness * thickness;
+  Eigen::Matrix3d S;
+  S << xx - x * x / count + prior, xy - x * y / count, xz - x * z / count,  //
+      xy - x * y / count, yy - y * y / count + prior, yz - y * z / count,   //
+      xz - x * z / count, yz - y * z / count, zz - z * z / count + prior;
+  const Eigen::Vector3d mean = center_map + Eigen::Vector3d(x, y, z) / count;
+  S /= count + kPriorPoints;
+  const double floor = thickness * thickness / 4;
+  // The prior alone keeps bundles of few points above the floor.
+  if (prior < floor * (count + kPriorPoints)) S = floor_eigenvalues(S, floor);
+  return {points.front().key, {mean, S, count}};
 }
 
 }  // namespace
