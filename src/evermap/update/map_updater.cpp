@@ -90,6 +90,13 @@ void confirm_leaves(Octree& octree, const BundleGrid& bundles, const UpdateParam
   }
 }
 
+void remember(Probation& probation, const Octree& octree, const BundleGrid& bundles,
+              const Evidence& evidence) {
+  probation.begin_scan();
+  for (const LeafEvidence& against : evidence.leaves) probation.remember(octree, against.leaf);
+  for (const RayBundle& bundle : bundles.bundles()) probation.remember(octree, bundle.key);
+}
+
 }  // namespace
 
 ScanSummary add_scan(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
@@ -111,9 +118,10 @@ ScanSummary add_cloud(Octree& octree, const Scan& cloud, const Pose& T_map_cloud
 }
 
 ScanSummary update(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
-                   const UpdateParameters& parameters, double novelty) {
+                   const UpdateParameters& parameters, double novelty, Probation* probation) {
   const BundleGrid bundles = condense(scan, T_map_sensor, octree.grid(), parameters.lidar);
   const Evidence evidence = trace(octree, bundles, parameters);
+  if (probation != nullptr) remember(*probation, octree, bundles, evidence);
   contradict_leaves(octree, bundles, evidence, parameters);
   confirm_leaves(octree, bundles, parameters, novelty);
   return summarize(scan, bundles);

@@ -9,6 +9,7 @@
 #include <evermap/scan/ray_bundle.hpp>
 #include <evermap/scan/scan.hpp>
 #include <evermap/update/parameters.hpp>
+#include <evermap/update/probation.hpp>
 
 namespace evermap {
 
@@ -32,10 +33,10 @@ ScanSummary add_cloud(Octree& octree, const Scan& cloud, const Pose& T_map_cloud
 
 /// Brings the map up to date with one aligned scan: condense, trace, contradict, confirm.
 ///
-/// `novelty` in (0, 1] weighs the scan's geometry in leaves that exist (see Viewpoint).
-/// Needs exclusive access to the map. Runs in parallel in the caller's TBB arena; the map that results is
-/// byte-identical for any number of threads.
+/// `novelty` in (0, 1] weighs the scan's geometry in leaves that exist (see Viewpoint). `probation`, when
+/// given, takes the images of all leaves that the scan may change. Needs exclusive access to the map. Runs in
+/// parallel in the caller's TBB arena; the map that results is byte-identical for any number of threads.
 ScanSummary update(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
-                   const UpdateParameters& parameters, double novelty = 1);
+                   const UpdateParameters& parameters, double novelty = 1, Probation* probation = nullptr);
 
 }  // namespace evermap
