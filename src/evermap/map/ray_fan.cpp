@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
+#include <numeric>
 
+#include <evermap/geometry/for_each_index.hpp>
 #include <evermap/map/ray_fan.hpp>
 
 namespace evermap {
@@ -33,7 +35,8 @@ std::size_t part(double value, double limit, std::size_t count, double padding) 
   return static_cast<std::size_t>(std::clamp(scaled, 0.0, static_cast<double>(count - 1)));
 }
 
-constexpr double kPadding = 1e-6;  // of a cell
+constexpr double kPadding = 1e-6;    ///< of a cell
+constexpr std::size_t kGrain = 512;  ///< rays per task
 
 }  // namespace
 
@@ -42,27 +45,37 @@ RayFan::RayFan(const VoxelGrid& grid, const Eigen::Vector3d& origin_map, std::sp
   const auto start = grid.voxel(origin_map);
   if (!start) return;
   start_ = *start;
-  std::vector<FanRay> unsorted;
-  unsorted.reserve(targets.size());
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    const auto end = grid.voxel(targets[i].end_map);
-    const Eigen::Vector3d direction = (targets[i].end_map - origin_map) / grid.edge;
-    const double across = std::abs(direction.x()) + std::abs(direction.y());
-    if (!end || !(targets[i].until >= 0) || !(across + std::abs(direction.z()) > 0)) continue;
-    voxels_.extend(*end);
-    const std::size_t row = part(height(across, direction.z()), 1, kRows, 0);
-    const std::size_t column = across > 0 ? part(azimuth(direction.x(), direction.y()), 2, kColumns, 0) : 0;
-    const auto cell = static_cast<std::uint32_t>(row * kColumns + column);
-    unsorted.push_back(
-        {targets[i], VoxelRay::towards(origin_, direction).inverse, static_cast<std::uint32_t>(i), cell});
-    ++cell_begin_[cell + 1];
+  std::vector<FanRay> unsorted(targets.size());
+  for_each_index(targets.size(), kGrain, [&](std::size_t i) {
+    unsorted[i] = fan_ray(grid, {origin_map, targets[i].end_map}, targets[i].until);
+    unsorted[i].index = static_cast<std::uint32_t>(i);
+  });
+  Eigen::AlignedBox3d extent(origin_map);
+  for (const FanRay& ray : unsorted) {
+    if (ray.cell == kNoCell) continue;
+    extent.extend(ray.target.end_map);
+    ++cell_begin_[ray.cell + 1];
   }
-  if (unsorted.empty()) return;
-  voxels_.extend(start_);
-  for (std::size_t cell = 1; cell < cell_begin_.size(); ++cell) cell_begin_[cell] += cell_begin_[cell - 1];
-  rays_.resize(unsorted.size());
+  std::partial_sum(cell_begin_.begin(), cell_begin_.end(), cell_begin_.begin());
+  if (cell_begin_.back() == 0) return;
+  voxels_ = {*grid.voxel(extent.min()), *grid.voxel(extent.max())};
+  rays_.resize(cell_begin_.back());
   std::vector<std::uint32_t> next(cell_begin_.begin(), cell_begin_.end() - 1);
-  for (const FanRay& ray : unsorted) rays_[next[ray.cell]++] = ray;
+  for (const FanRay& ray : unsorted) {
+    if (ray.cell != kNoCell) rays_[next[ray.cell]++] = ray;
+  }
+}
+
+RayFan::FanRay RayFan::fan_ray(const VoxelGrid& grid, const Ray& ray, double until) const {
+  const Eigen::Vector3d d = (ray.end - ray.origin) / grid.edge;
+  const double across = std::abs(d.x()) + std::abs(d.y());
+  FanRay result{{ray.end, until}, VoxelRay::towards(origin_, d).inverse, 0, kNoCell};
+  const bool is_looked_at = until >= 0 && across + std::abs(d.z()) > 0;
+  if (!is_looked_at || !grid.voxel(ray.end)) return result;
+  const std::size_t row = part(height(across, d.z()), 1, kRows, 0);
+  const std::size_t column = across > 0 ? part(azimuth(d.x(), d.y()), 2, kColumns, 0) : 0;
+  result.cell = static_cast<std::uint32_t>(row * kColumns + column);
+  return result;
 }
 
 std::array<RayFan::Cells, 2> RayFan::cells_of(const Eigen::AlignedBox3d& box) const {

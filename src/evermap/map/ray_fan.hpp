@@ -6,12 +6,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <evermap/geometry/ray.hpp>
 #include <evermap/map/octree.hpp>
 #include <evermap/map/voxel_walk.hpp>
 
@@ -66,13 +68,17 @@ class RayFan {
     Target target;
     Eigen::Vector3d inverse;
     std::uint32_t index;  ///< of the target
-    std::uint32_t cell;
+    std::uint32_t cell;   ///< or kNoCell
   };
+  static constexpr std::uint32_t kNoCell = std::numeric_limits<std::uint32_t>::max();
 
   /// A rectangle of cells; the last ones are excluded.
   struct Cells {
     std::size_t first_row, last_row, first_column, last_column;
   };
+
+  /// Has no cell when the ray is left out. Its index is not set.
+  FanRay fan_ray(const VoxelGrid& grid, const Ray& ray, double until) const;
 
   /// The cells of all directions in which a box lies, [voxels] from the origin: two rectangles when it lies
   /// across the seam behind the sensor.

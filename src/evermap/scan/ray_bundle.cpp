@@ -5,23 +5,13 @@
 #include <span>
 #include <utility>
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-
+#include <evermap/geometry/for_each_index.hpp>
 #include <evermap/scan/ray_bundle.hpp>
 
 namespace evermap {
 namespace {
 
-constexpr std::size_t kGrain = 1024;  ///< points or bundles per task: some 0.05 ms of work
-
-template <class Work>
-void for_each_index(std::size_t count, Work&& work) {
-  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, count, kGrain),
-                            [&](const auto& range) {
-                              for (std::size_t i = range.begin(); i != range.end(); ++i) work(i);
-                            });
-}
+constexpr std::size_t kGrain = 1024;  ///< points or bundles per task
 
 enum class Use : std::uint8_t { kTaken, kNear, kFar, kOutOfGrid };
 
@@ -110,7 +100,7 @@ BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid&
   BundleGrid result;
   result.origin_map = T_map_sensor.translation;
   std::vector<KeyedPoint> points(scan.p_sensor.size());
-  for_each_index(points.size(), [&](std::size_t i) {
+  for_each_index(points.size(), kGrain, [&](std::size_t i) {
     points[i] = key_of(scan.p_sensor[i], static_cast<std::uint32_t>(i), T_map_sensor, grid, lidar);
   });
   std::array<std::size_t, 4> used{};
@@ -129,7 +119,7 @@ BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid&
   begin.push_back(points.size());
   const double thickness = least_thickness(lidar, grid);
   result.bundles_.resize(begin.size() - 1);
-  for_each_index(result.bundles_.size(), [&](std::size_t i) {
+  for_each_index(result.bundles_.size(), kGrain, [&](std::size_t i) {
     const auto in_voxel = std::span(points).subspan(begin[i], begin[i + 1] - begin[i]);
     result.bundles_[i] = bundle_of(in_voxel, scan, T_map_sensor, grid, thickness);
   });

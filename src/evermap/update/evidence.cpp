@@ -5,9 +5,8 @@
 #include <span>
 
 #include <Eigen/LU>
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
 
+#include <evermap/geometry/for_each_index.hpp>
 #include <evermap/geometry/neighbourhood.hpp>
 #include <evermap/map/ray_fan.hpp>
 #include <evermap/update/evidence.hpp>
@@ -16,7 +15,7 @@
 namespace evermap {
 namespace {
 
-constexpr std::size_t kGrain = 32;  ///< bundles or leaves per task: some 0.1 ms of work
+constexpr std::size_t kGrain = 32;  ///< bricks or leaves per task
 
 /// The share of the ray that is known to be free: range noise forbids a verdict just before the hit.
 double free_share(const Ray& ray, const Gaussian& bundle, const UpdateParameters& parameters) {
@@ -58,15 +57,15 @@ std::vector<Contradiction> find_contradictions(const Octree& octree, const Bundl
   }
   const RayFan fan(octree.grid(), bundles.origin_map, targets);
   const std::vector<PlacedBrick> bricks = octree.bricks_in(fan.voxels());
-  std::vector<std::vector<Contradiction>> chunks((bricks.size() + kGrain - 1) / kGrain);
-  oneapi::tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t chunk) {
+  std::vector<std::vector<Contradiction>> found((bricks.size() + kGrain - 1) / kGrain);
+  for_each_index(found.size(), 1, [&](std::size_t chunk) {
     const std::size_t end = std::min(bricks.size(), (chunk + 1) * kGrain);
     for (std::size_t i = chunk * kGrain; i < end; ++i) {
-      gather(octree, bundles, fan, bricks[i], parameters, chunks[chunk]);
+      gather(octree, bundles, fan, bricks[i], parameters, found[chunk]);
     }
   });
   std::vector<Contradiction> all;
-  for (const auto& chunk : chunks) all.insert(all.end(), chunk.begin(), chunk.end());
+  for (const auto& chunk : found) all.insert(all.end(), chunk.begin(), chunk.end());
   return all;
 }
 
@@ -148,16 +147,12 @@ Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdatePara
   const double displacement = parameters.surface_guard == SurfaceGuard::kReobserved
                                   ? parameters.displacement * alignment_error(octree, bundles)
                                   : 0;
-  oneapi::tbb::parallel_for(
-      oneapi::tbb::blocked_range<std::size_t>(0, evidence.leaves.size(), kGrain), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          LeafEvidence& leaf = evidence.leaves[i];
-          if (bundles.find(leaf.leaf) != nullptr) continue;  // occupied wins
-          if (is_spared(octree, leaf.leaf, bundles, parameters.surface_guard, displacement)) continue;
-          leaf.impact =
-              combine(std::span(all).subspan(leaf.begin, leaf.end - leaf.begin), parameters.combination);
-        }
-      });
+  for_each_index(evidence.leaves.size(), kGrain, [&](std::size_t i) {
+    LeafEvidence& leaf = evidence.leaves[i];
+    if (bundles.find(leaf.leaf) != nullptr) return;  // occupied wins
+    if (is_spared(octree, leaf.leaf, bundles, parameters.surface_guard, displacement)) return;
+    leaf.impact = combine(std::span(all).subspan(leaf.begin, leaf.end - leaf.begin), parameters.combination);
+  });
   return evidence;
 }
 

@@ -4,9 +4,7 @@
 #include <span>
 #include <vector>
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-
+#include <evermap/geometry/for_each_index.hpp>
 #include <evermap/update/evidence.hpp>
 #include <evermap/update/impact.hpp>
 #include <evermap/update/leaf_update.hpp>
@@ -15,19 +13,11 @@
 namespace evermap {
 namespace {
 
-constexpr std::size_t kGrain = 256;  ///< leaves per task: some 0.1 ms of work
+constexpr std::size_t kGrain = 256;  ///< leaves per task
 
 ScanSummary summarize(const Scan& scan, const BundleGrid& bundles) {
   return {scan.p_sensor.size(), bundles.bundles().size(), bundles.dropped_near, bundles.dropped_far,
           bundles.dropped_out_of_grid};
-}
-
-template <class Work>
-void for_each_index(std::size_t count, Work&& work) {
-  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, count, kGrain),
-                            [&](const auto& range) {
-                              for (std::size_t i = range.begin(); i != range.end(); ++i) work(i);
-                            });
 }
 
 /// Takes from the leaf's geometry what the contradicting rays saw to be free; occupancy decides on its life.
@@ -54,7 +44,7 @@ void contradict_leaves(Octree& octree, const BundleGrid& bundles, const Evidence
                        const UpdateParameters& parameters) {
   const double thickness = least_thickness(parameters.lidar, octree.grid());
   std::vector<char> erased(evidence.leaves.size(), 0);
-  for_each_index(evidence.leaves.size(), [&](std::size_t i) {
+  for_each_index(evidence.leaves.size(), kGrain, [&](std::size_t i) {
     const LeafEvidence& against = evidence.leaves[i];
     Leaf& leaf = *octree.find(against.leaf);
     if (parameters.difference != Difference::kNone) {
@@ -76,7 +66,7 @@ void confirm_leaves(Octree& octree, const BundleGrid& bundles, const UpdateParam
                     double novelty) {
   const auto& all = bundles.bundles();
   std::vector<char> is_new(all.size(), 0);
-  for_each_index(all.size(), [&](std::size_t i) {
+  for_each_index(all.size(), kGrain, [&](std::size_t i) {
     Leaf* leaf = octree.find(all[i].key);
     is_new[i] = leaf == nullptr;
     if (leaf == nullptr) return;
