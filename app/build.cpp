@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include "localized_run.hpp"
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
@@ -14,21 +15,16 @@ namespace {
 
 struct Options {
   RunOptions run;
+  LocalizedScans odometry;
+  std::filesystem::path poses_out;  ///< empty when not asked for
   std::filesystem::path map;
   double leaf = 0;  ///< [m]
   ParameterOptions parameters;
   bool as_json = false;
 };
 
-void run(const Options& options) {
-  check_leaf(options.leaf);
-  const UpdateParameters parameters = parameters_of(options.parameters);
-  check_writable(options.map);
-  PosedScans scans(options.run.scans, options.run.poses);
-  Octree octree(VoxelGrid::around(scans.first_pose().translation, options.leaf));
-  const Run run = run_over(scans, options.run.threads, [&](const Scan& scan, const Pose& T_map_sensor) {
-    return add_scan(octree, scan, T_map_sensor, parameters);
-  });
+template <class RunReport>
+void finish(const Options& options, const Octree& octree, const RunReport& run) {
   save_map(options.map, octree);
   if (options.as_json) {
     Json json = {{"map", options.map.string()}, {"leaves", octree.leaf_count()}};
@@ -39,12 +35,52 @@ void run(const Options& options) {
   }
 }
 
+void build_from_poses(const Options& options, const UpdateParameters& parameters) {
+  PosedScans scans(options.run.scans, options.run.poses);
+  Octree octree(VoxelGrid::around(scans.first_pose().translation, options.leaf));
+  const Run run = run_over(scans, options.run.threads, [&](const Scan& scan, const Pose& T_map_sensor) {
+    return add_scan(octree, scan, T_map_sensor, parameters);
+  });
+  finish(options, octree, run);
+}
+
+/// LiDAR odometry: each scan is localized in the map of those before it. The first pose is the map's origin.
+void build_without_poses(const Options& options, const UpdateParameters& parameters) {
+  LocalizedScans scans = options.odometry;
+  scans.scans = options.run.scans;
+  scans.threads = options.run.threads;
+  LocalizerParameters localizer;
+  localizer.lidar = parameters.lidar;
+  Octree octree(VoxelGrid{.edge = options.leaf});
+  const LocalizedRun run = localize_scans(scans, octree, Localizer(Pose{}, localizer),
+                                          [&](const Scan& scan, const Pose& T_map_sensor) {
+                                            return add_scan(octree, scan, T_map_sensor, parameters);
+                                          });
+  if (!options.poses_out.empty()) write_tum_poses(options.poses_out, run.trajectory);
+  finish(options, octree, run);
+}
+
+void run(const Options& options) {
+  check_leaf(options.leaf);
+  const UpdateParameters parameters = parameters_of(options.parameters);
+  check_writable(options.map);
+  if (!options.poses_out.empty()) check_writable(options.poses_out);
+  options.run.poses.empty() ? build_without_poses(options, parameters)
+                            : build_from_poses(options, parameters);
+}
+
 }  // namespace
 
 void add_build(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("build", "Make a map from posed scans, all of which are trusted");
+  CLI::App* verb = app.add_subcommand(
+      "build", "Make a map from scans, whose poses are given and trusted, or found by LiDAR odometry");
   const auto options = std::make_shared<Options>();
   add_run_options(*verb, options->run);
+  CLI::Option* poses = verb->get_option("--poses")->required(false);
+  verb->add_option("--poses-out", options->poses_out, "Poses found by LiDAR odometry, to write (TUM)")
+      ->excludes(poses)
+      ->type_name("FILE");
+  add_odometry_options(*verb, options->odometry);
   verb->add_option("-o,--output", options->map, "Map to write")->required()->type_name("MAP.evm");
   add_leaf_option(*verb, options->leaf);
   add_range_options(*verb, options->parameters);

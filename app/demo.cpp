@@ -2,121 +2,140 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <fmt/core.h>
 
 #include "birds_eye.hpp"
+#include "experiments/contest_story.hpp"
+#include "experiments/scenario_course.hpp"
 #include "options.hpp"
 #include "progress_bar.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
-#include "yard_trial.hpp"
-#include <evermap/evaluation/octomap_baseline.hpp>
+#include <evermap/evaluation/evermap_contender.hpp>
 #include <evermap/io/io_error.hpp>
 #include <evermap/io/map_file.hpp>
-#include <evermap/update/map_updater.hpp>
-#include <evermap/update/viewpoint.hpp>
 
 namespace evermap {
 namespace {
+
+constexpr double kShownLeaf = 0.2;  ///< [m] of the maps that are written
 
 struct Options {
   std::filesystem::path folder = "demo";
   bool as_json = false;
 };
 
-Octree updated(const YardTrial& trial, const UpdateParameters& parameters) {
-  Octree octree = trial.initial_map();
-  Viewpoint viewpoint(parameters.standstill);
-  ProgressBar bar(trial.size());
-  for (std::size_t i = 0; i < trial.size(); ++i) {
-    update(octree, trial.scan(i), trial.pose(i), parameters, viewpoint.novelty(trial.pose(i)));
-    bar.show(i + 1);
-  }
-  return octree;
-}
-
-YardScore octomap_score(const YardTrial& trial) {
-  OctoMapBaseline octomap(trial.initial_map().grid().edge);
-  octomap.insert_surface(trial.initial_surface());
-  ProgressBar bar(trial.size());
-  for (std::size_t i = 0; i < trial.size(); ++i) {
-    Points ends;
-    for (const Eigen::Vector3d& p_sensor : trial.scan(i).p_sensor) ends.push_back(trial.pose(i) * p_sensor);
-    octomap.insert_scan(trial.pose(i).translation, ends, LidarModel{}.max_range);
-    bar.show(i + 1);
-  }
-  return trial.score([&](const Eigen::Vector3d& p_map) { return octomap.occupied(p_map); },
-                     octomap.occupied_centers());
-}
-
-/// The comparison as it grows: a row of the printed table and an entry of the JSON array.
-class Table {
- public:
-  explicit Table(bool as_json) : as_json_(as_json) {
-    if (as_json_) return;
-    fmt::print("{:<6} {:<18} {:>6} {:>6} {:>8} {:>8} {:>8} {:>8} {:>7}\n", "leaf", "map", "SA", "DA",
-               "COV 0.1", "COV 0.2", "ACC 0.1", "ACC 0.2", "AHD [m]");
-  }
-
-  void add(double edge, const std::string& name, const YardScore& score) {
-    const SurfaceComparison& s = score.surface;
-    rows_.push_back({{"leaf", edge},
-                     {"map", name},
-                     {"SA", score.static_accuracy},
-                     {"DA", score.dynamic_accuracy},
-                     {"COV_0.1", s.coverage(0.1)},
-                     {"COV_0.2", s.coverage(0.2)},
-                     {"COV_0.5", s.coverage(0.5)},
-                     {"ACC_0.1", s.accuracy(0.1)},
-                     {"ACC_0.2", s.accuracy(0.2)},
-                     {"ACC_0.5", s.accuracy(0.5)},
-                     {"mean_truth_to_map", s.mean_truth_to_map()},
-                     {"mean_map_to_truth", s.mean_map_to_truth()},
-                     {"AHD", s.average_hausdorff_distance()}});
-    if (as_json_) return;
-    fmt::print("{:<6} {:<18} {:>6.4f} {:>6.4f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>7.3f}\n", edge, name,
-               score.static_accuracy, score.dynamic_accuracy, s.coverage(0.1), s.coverage(0.2),
-               s.accuracy(0.1), s.accuracy(0.2), s.average_hausdorff_distance());
-  }
-
-  void finish() const {
-    if (as_json_) fmt::print("{}", dump(rows_));
-  }
-
- private:
-  bool as_json_;
-  Json rows_ = Json::array();
+/// The contest of one leaf size, and evermap's map at its end.
+struct Outcome {
+  double leaf;  ///< [m]
+  Json result;
+  std::optional<Octree> after;
 };
+
+Outcome run_contest(const Course& course, double leaf) {
+  Outcome outcome{leaf, {}, {}};
+  const ProgressBar bar(course.scans().size());
+  const ContestRules rules{.leaf = leaf,
+                           .measurements = 6,
+                           .has_picture = true,
+                           .at_end = [&](const Contender& contender, const Points&, const Truth&) {
+                             const auto* evermap = dynamic_cast<const EvermapContender*>(&contender);
+                             if (evermap != nullptr && contender.name() == kEvermap)
+                               outcome.after = evermap->octree();
+                             return Json::object();
+                           }};
+  outcome.result = hold_contest(course, usual_contenders(leaf, course.lidar), rules,
+                                [&](std::size_t done, std::size_t) { bar.show(done); });
+  return outcome;
+}
+
+const std::vector<std::string>& measures() {
+  static const std::vector<std::string> list{"SA", "DA", "COV 0.1", "COV 0.2", "ACC 0.1", "ACC 0.2", "AHD"};
+  return list;
+}
+
+HtmlTable comparison(const std::vector<Outcome>& outcomes) {
+  using Best = HtmlTable::Best;
+  HtmlTable table{
+      "SA: unchanged surface kept. DA: removed surface erased. COV, ACC: share of the true surface near the "
+      "map, of "
+      "the map near the true surface [m]. AHD: distance between the two [m].",
+      {{"leaf", Best::kNone, 1}, {"map", Best::kNone, 0}},
+      {}};
+  for (const std::string& measure : measures()) table.columns.push_back({measure, Best::kNone, 4});
+  for (const Outcome& outcome : outcomes) {
+    for (const std::string& name : contenders_of(outcome.result)) {
+      table.rows.push_back({outcome.leaf, name});
+      for (const std::string& measure : measures()) {
+        table.rows.back().emplace_back(at_end(outcome.result, name, measure));
+      }
+    }
+  }
+  return table;
+}
+
+Json to_json(const std::vector<Outcome>& outcomes) {
+  Json rows = Json::array();
+  for (const Outcome& outcome : outcomes) {
+    for (const std::string& name : contenders_of(outcome.result)) {
+      Json row{{"leaf", outcome.leaf}, {"map", name}};
+      for (const std::string& measure : measures()) row[measure] = at_end(outcome.result, name, measure);
+      rows.push_back(std::move(row));
+    }
+  }
+  return rows;
+}
+
+Story tell(const std::vector<Outcome>& outcomes, const std::filesystem::path& folder) {
+  Story story{"A yard that changed"};
+  story.blocks.emplace_back(Paragraph{
+      "Since the survey one box vanished, one appeared, one moved by 0.25 m, and a heap grew. A robot drives "
+      "through for 6 s. What each map became:"});
+  story.blocks.emplace_back(comparison(outcomes));
+  story.blocks.emplace_back(Figure{"change.png", "What evermap changed in its map."});
+  story.blocks.emplace_back(Figure{"before.png", "The map before, by height."});
+  story.blocks.emplace_back(Figure{"after.png", "The map after, by height."});
+  for (const Outcome& outcome : outcomes) {
+    tell_contest(story, folder, fmt::format("yard_{}", outcome.leaf),
+                 fmt::format("yard, leaf {} m", outcome.leaf), outcome.result,
+                 {.curves = {{"COV 0.2", "COV within 0.2 m"}, {"AHD", "AHD", true}},
+                  .figure = "How much of the true surface the map covers, and how far the two are apart",
+                  .view = "The yard from above at the end"});
+  }
+  return story;
+}
 
 void run(const Options& options) {
   std::error_code error;
   std::filesystem::create_directories(options.folder, error);
   if (error) throw IoError(options.folder, "the folder cannot be made: " + error.message());
   check_writable(options.folder / "after.evm");
-  const Yard yard = make_yard();
-  Table table(options.as_json);
-  for (const double edge : {0.2, 0.4}) {
-    const YardTrial trial(edge, yard.T_map_sensor, yard);
-    table.add(edge, "not maintained", trial.score(trial.initial_map()));
-    table.add(edge, "OctoMap " + OctoMapBaseline::version(), octomap_score(trial));
-    table.add(edge, "evermap paper", trial.score(updated(trial, UpdateParameters::paper())));
-    const Octree after = updated(trial, UpdateParameters{});
-    table.add(edge, "evermap default", trial.score(after));
-    if (edge != 0.2) continue;
-    save_map(options.folder / "before.evm", trial.initial_map());
-    save_map(options.folder / "after.evm", after);
-    write_pictures(options.folder, trial.initial_map(), after, compare(trial.initial_map(), after));
+  const ScenarioCourse course({.scenario = "yard", .survey_spacing = 0.05, .truth_spacing = 0.09}, 1);
+  std::vector<Outcome> outcomes;
+  for (const double leaf : {kShownLeaf, 0.4}) outcomes.push_back(run_contest(course, leaf));
+
+  EvermapContender before("before", kShownLeaf, UpdateParameters{});
+  before.start(course.survey());
+  const Octree& after = outcomes.front().after.value();
+  save_map(options.folder / "before.evm", before.octree());
+  save_map(options.folder / "after.evm", after);
+  write_pictures(options.folder, before.octree(), after, compare(before.octree(), after));
+  const Story story = tell(outcomes, options.folder);
+  HtmlReport page("evermap: a demonstration");
+  add_to(page, story, options.folder);
+  page.save(options.folder / "index.html");
+
+  if (options.as_json) {
+    fmt::print("{}", dump(to_json(outcomes)));
+    return;
   }
-  table.finish();
-  if (options.as_json) return;
-  fmt::print(
-      "\nSA: unchanged surface kept. DA: removed surface erased. COV, ACC: share of the true surface near "
-      "the\n"
-      "map, of the map near the true surface [m]. Maps and pictures (0.2 m) are in {}/\n",
-      options.folder.string());
+  fmt::print("{}\nMaps and pictures ({} m), and index.html, are in {}/\n",
+             text_of({"A yard that changed", {comparison(outcomes)}}), kShownLeaf, options.folder.string());
 }
 
 }  // namespace

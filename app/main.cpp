@@ -44,6 +44,8 @@ void set_up(CLI::App& app, bool& is_verbose) {
   evermap::add_import(app);
   evermap::add_build(app);
   evermap::add_update(app);
+  evermap::add_undo(app);
+  evermap::add_localize(app);
   evermap::add_export(app);
   evermap::add_info(app);
   evermap::add_config(app);

@@ -70,6 +70,10 @@ void check_leaf(double leaf) {
                                        kLeastLeafEdge, kGreatestLeafEdge));
 }
 
+void add_undo_log_option(CLI::App& verb, bool& undo_log) {
+  verb.add_flag("--undo-log", undo_log, "Keep the map that is replaced, for evermap undo");
+}
+
 void add_json_option(CLI::App& verb, bool& as_json) {
   verb.add_flag("--json", as_json, "Print the result as one JSON object");
 }

@@ -23,6 +23,7 @@
 #include <evermap/io/io_error.hpp>
 #include <evermap/io/pcd.hpp>
 #include <evermap/io/ply.hpp>
+#include <evermap/io/poses.hpp>
 #include <evermap/simulation/scenario_drive.hpp>
 
 namespace evermap {
@@ -145,14 +146,6 @@ void write_truth(const std::filesystem::path& path, const std::vector<SurfaceSam
   write_ply(path, table);
 }
 
-/// One line of a TUM file.
-std::string tum_line(double time, const Pose& pose) {
-  const Eigen::Quaterniond q(pose.rotation);
-  const Eigen::Vector3d& t = pose.translation;
-  return fmt::format("{:.6f} {:.9g} {:.9g} {:.9g} {:.12g} {:.12g} {:.12g} {:.12g}\n", time, t.x(), t.y(),
-                     t.z(), q.x(), q.y(), q.z(), q.w());
-}
-
 /// Where the rays of a run ended, one point for each small cube: a robot that stands still would otherwise
 /// fill the memory with the same.
 class RayEnds {
@@ -227,9 +220,9 @@ void run(const Options& options) {
   prepare_folder(options, drive);
   write_survey(options.folder / "survey.ply", drive.survey(options.spacing));
   write_drive(options, drive, truths);
-  std::string poses;
-  for (std::size_t i = 0; i < drive.size(); ++i) poses += tum_line(drive.time(i), drive.T_map_sensor(i));
-  write_text(options.folder / "poses.txt", poses);
+  std::vector<StampedPose> poses;
+  for (std::size_t i = 0; i < drive.size(); ++i) poses.push_back({drive.time(i), drive.T_map_sensor(i)});
+  write_tum_poses(options.folder / "poses.txt", poses);
   fmt::print("folder   {}\nscans    {}\n", options.folder.string(), drive.size());
 }
 

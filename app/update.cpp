@@ -13,6 +13,7 @@
 #include <evermap/io/atomic_file.hpp>
 #include <evermap/io/io_error.hpp>
 #include <evermap/io/map_file.hpp>
+#include <evermap/io/map_undo.hpp>
 #include <evermap/update/viewpoint.hpp>
 
 namespace evermap {
@@ -24,6 +25,7 @@ struct Options {
   std::filesystem::path output;
   ParameterOptions parameters;
   std::filesystem::path report;  ///< folder; empty when not asked for
+  bool undo_log = false;
   bool as_json = false;
 };
 
@@ -56,6 +58,7 @@ void run(const Options& options) {
   const Run run = run_over(scans, options.run.threads, [&](const Scan& scan, const Pose& T_map_sensor) {
     return update(octree, scan, T_map_sensor, parameters, viewpoint.novelty(T_map_sensor));
   });
+  if (options.undo_log) keep_for_undo(options.output);
   save_map(options.output, octree);
   const ChangeReport report{options.output, run, LeafCounts(before), LeafCounts(octree),
                             compare(before, octree)};
@@ -79,6 +82,7 @@ void add_update(CLI::App& app) {
   verb->add_option("--report", options->report,
                    "Folder for report.json and pictures of before, after and the change")
       ->type_name("DIR");
+  add_undo_log_option(*verb, options->undo_log);
   add_json_option(*verb, options->as_json);
   verb->callback([options] { run(*options); });
 }

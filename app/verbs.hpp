@@ -11,6 +11,8 @@ namespace evermap {
 void add_import(CLI::App& app);
 void add_build(CLI::App& app);
 void add_update(CLI::App& app);
+void add_undo(CLI::App& app);
+void add_localize(CLI::App& app);
 void add_export(CLI::App& app);
 void add_info(CLI::App& app);
 void add_config(CLI::App& app);

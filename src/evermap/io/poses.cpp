@@ -1,9 +1,12 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
+#include <evermap/io/atomic_file.hpp>
 #include <evermap/io/poses.hpp>
 #include <evermap/io/quaternion.hpp>
 #include <evermap/io/text_lines.hpp>
@@ -62,6 +65,19 @@ std::vector<StampedPose> read_poses(const std::filesystem::path& path) {
   }
   if (poses.empty()) file.fail("holds no pose");
   return poses;
+}
+
+void write_tum_poses(const std::filesystem::path& path, const std::vector<StampedPose>& poses) {
+  AtomicFile file(path);
+  std::array<char, 256> line{};
+  for (const StampedPose& pose : poses) {
+    const Eigen::Vector3d& t = pose.T_map_sensor.translation;
+    const Eigen::Quaterniond q(pose.T_map_sensor.rotation);
+    const int size = std::snprintf(line.data(), line.size(), "%.6f %.9g %.9g %.9g %.12g %.12g %.12g %.12g\n",
+                                   pose.time.value(), t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+    file.write(line.data(), static_cast<std::size_t>(size));
+  }
+  file.commit();
 }
 
 }  // namespace evermap

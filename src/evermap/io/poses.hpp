@@ -24,4 +24,8 @@ struct StampedPose {
 /// or holds no pose.
 std::vector<StampedPose> read_poses(const std::filesystem::path& path);
 
+/// Writes TUM poses atomically, times with six decimals. Throws IoError when the file cannot be written.
+/// REQUIRES: every pose has a time.
+void write_tum_poses(const std::filesystem::path& path, const std::vector<StampedPose>& poses);
+
 }  // namespace evermap

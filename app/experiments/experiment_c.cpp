@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "experiments/contest_story.hpp"
+#include "experiments/experiment.hpp"
+#include "experiments/scenario_course.hpp"
+#include <evermap/geometry/voxel_key.hpp>
+
+namespace evermap {
+namespace {
+
+constexpr std::size_t kLateScans = 50;  ///< of the scenario: the pile is measured where they observed it
+
+ScenarioChoice choice(double leaf, bool is_quick) {
+  // OctoMap needs seconds for each scan of the pit. Scans farther apart would see what has changed too seldom
+  // to contradict it, so that where leaves are small the run is shorter instead.
+  const int scans = is_quick ? 30 : leaf < 0.3 ? 210 : 600;
+  return {.scenario = "quarry",
+          .every = leaf < 0.3 || is_quick ? 3U : 2U,
+          .scans = scans,
+          .survey_spacing = leaf < 0.3 ? 0.07 : 0.1,
+          .truth_spacing = is_quick ? 0.37 : 0.23,
+          .area = {Eigen::Vector2d(-110, -90), Eigen::Vector2d(110, 100)},
+          .view = {Eigen::Vector2d(-60, -48), Eigen::Vector2d(60, 44)}};
+}
+
+/// Mean distance [m] to the true surface of the map's points near a pile's surface that was observed of late.
+Json pile_distance(const Points& map, const Truth& truth, const Points& pile, double leaf) {
+  const std::vector<double> to_pile = nearest_distances(map, pile);
+  Points near;
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (to_pile[i] <= leaf) near.push_back(map[i]);
+  }
+  const std::vector<double> distances = truth.distances(near);
+  const double sum = std::accumulate(distances.begin(), distances.end(), 0.0);
+  return {{"pile", sum / static_cast<double>(distances.size())}};
+}
+
+Unit unit_of(const Setup& setup, double leaf) {
+  const ScenarioChoice chosen = choice(leaf, setup.is_quick);
+  const std::size_t measurements = setup.is_quick ? 3 : 12;
+  const auto compute = [=](const Progress& progress) {
+    const ScenarioCourse course(chosen, setup.seed);
+    const Points pile = course.observed_lately("pile", kLateScans);
+    const ContestRules rules{.leaf = leaf,
+                             .measurements = measurements,
+                             .has_picture = true,
+                             .at_end = [&](const Contender&, const Points& map, const Truth& truth) {
+                               return pile_distance(map, truth, pile, leaf);
+                             }};
+    return hold_contest(course, usual_contenders(leaf, course.lidar), rules, progress);
+  };
+  return {fmt::format("c_quarry_{}", leaf),
+          {{"leaf", leaf},
+           {"every", chosen.every},
+           {"scans", chosen.scans.value()},
+           {"seed", setup.seed},
+           {"measurements", measurements},
+           {"truth_spacing", chosen.truth_spacing}},
+          compute};
+}
+
+HtmlTable pile_table(const std::vector<double>& leaves, const std::vector<Json>& results) {
+  HtmlTable table{
+      "Mean distance [m] of the map to the true surface of the piles, where the last 50 scans (5 s) of the "
+      "scenario observed them",
+      {{"map", HtmlTable::Best::kNone, 0}},
+      {}};
+  for (const double leaf : leaves)
+    table.columns.push_back({fmt::format("leaf {} m", leaf), HtmlTable::Best::kLowest, 3});
+  for (const std::string& name : contenders_of(results[0])) {
+    table.rows.push_back({name});
+    for (const Json& result : results) table.rows.back().emplace_back(at_end(result, name, "pile"));
+  }
+  return table;
+}
+
+void set_aims(Story& story, const std::string& data, const Json& result) {
+  aim_at_least(story, data, "SA", 0.995, at_end(result, kEvermap, "SA"));
+  aim_at_least(story, data, "DA", 0.95, at_end(result, kEvermap, "DA"));
+  aim_at_least(story, data, "OctoMap's AHD over evermap's", 2,
+               at_end(result, kOctoMap, "AHD") / at_end(result, kEvermap, "AHD"));
+  aim_at_most(story, data, "map to pile [m]", 0.03, at_end(result, kEvermap, "pile"));
+}
+
+}  // namespace
+
+Experiment experiment_c(const Setup& setup) {
+  const std::vector<double> leaves = leaves_of(setup);
+  Experiment experiment{"c", {}, {}, {}};
+  for (const double leaf : leaves) experiment.units.push_back(unit_of(setup, leaf));
+  experiment.tell = [=](const std::vector<Json>& results, const std::filesystem::path& folder) {
+    Story story{"C: a quarry at work"};
+    story.blocks.push_back(
+        Paragraph{"Heaps grow and shrink, machines have come and gone since the survey, trucks and people go "
+                  "about, and the robot drives a "
+                  "loop of 60 s. A map is good when it follows the piles, drops what is gone, keeps the "
+                  "ground whole and shows no trail."});
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      const std::string data = fmt::format("quarry, leaf {} m", leaves[i]);
+      tell_contest(story, folder, fmt::format("c_quarry_{}", leaves[i]), data, results[i],
+                   {.curves = {{"COV 0.2", "COV within 0.2 m"}, {"AHD", "AHD", true}},
+                    .figure = "The paper's figure 9: how much of the true surface the map covers, and how "
+                              "far the two are apart",
+                    .view = "The middle of the pit from above at the end"});
+      set_aims(story, data, results[i]);
+    }
+    story.blocks.push_back(pile_table(leaves, results));
+    return story;
+  };
+  return experiment;
+}
+
+}  // namespace evermap

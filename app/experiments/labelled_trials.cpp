@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experiments/labelled_trials.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+#include <evermap/evaluation/map_claims.hpp>
+#include <evermap/io/labelled_boxes.hpp>
+#include <evermap/io/scan_source.hpp>
+#include <evermap/update/map_updater.hpp>
+#include <evermap/update/viewpoint.hpp>
+
+namespace evermap {
+namespace {
+
+constexpr double kStillThere = 0.1;  // [m] from a point of the last scans
+constexpr double kMinRange = 2.5;    // [m] the vehicle's own roof
+
+}  // namespace
+
+DriveTrial::DriveTrial(const std::filesystem::path& folder, std::size_t scans)
+    : boxes_(read_labelled_boxes(folder / "boxes_velo.csv")) {
+  PosedScans source(folder / "scans", folder / "poses_kitti.txt");
+  while (scans_.size() < scans) {
+    auto posed = source.next();
+    if (!posed) break;
+    scans_.push_back(std::move(*posed));
+  }
+  boxes_.resize(scans_.size());
+}
+
+DriveScore DriveTrial::run(double edge, UpdateParameters parameters) const {
+  parameters.lidar.min_range = kMinRange;
+  Octree octree(VoxelGrid{edge});
+  for (const PosedScan& s : scans_) add_scan(octree, s.scan, s.T_map_sensor, parameters);
+  Viewpoint viewpoint(parameters.standstill);
+  for (const PosedScan& s : scans_) {
+    update(octree, s.scan, s.T_map_sensor, parameters, viewpoint.novelty(s.T_map_sensor));
+  }
+  DriveScore score;
+  for (std::size_t i = 0; i < scans_.size(); ++i) {
+    add_to_score(score, scans_[i].scan, scans_[i].T_map_sensor, boxes_[i],
+                 i + DriveScore::kLastScans >= scans_.size(),
+                 [&](const Eigen::Vector3d& p_map) { return claims(octree, p_map, DriveScore::kPoseSigma); });
+  }
+  return score;
+}
+
+RedlightTrial::RedlightTrial(const std::filesystem::path& folder) {
+  ScanSource source(folder / "scans");
+  while (auto scan = source.next()) scans_.push_back(std::move(*scan));
+  if (scans_.size() < kUpdated + kBuilt) throw std::runtime_error(folder.string() + ": has too few scans");
+  scans_.erase(scans_.begin(), scans_.end() - kUpdated - kBuilt);
+  Points early;
+  Points late;
+  for (std::size_t i = 0; i < scans_.size(); ++i) {
+    Points& points = i < kBuilt ? early : late;
+    if (i < kBuilt || i + 3 >= scans_.size()) {
+      points.insert(points.end(), scans_[i].p_sensor.begin(), scans_[i].p_sensor.end());
+    }
+  }
+  const std::vector<double> distances = nearest_distances(early, late);
+  for (std::size_t i = 0; i < early.size(); ++i) {
+    if (distances[i] < kStillThere && early[i].norm() > kMinRange) still_there_.push_back(early[i]);
+  }
+}
+
+double RedlightTrial::run(double edge, UpdateParameters parameters) const {
+  parameters.lidar.min_range = kMinRange;
+  Octree octree(VoxelGrid{edge});
+  Viewpoint viewpoint(parameters.standstill);
+  for (std::size_t i = 0; i < kBuilt; ++i) add_scan(octree, scans_[i], Pose{}, parameters);
+  for (std::size_t i = kBuilt; i < scans_.size(); ++i) {
+    update(octree, scans_[i], Pose{}, parameters, viewpoint.novelty(Pose{}));
+  }
+  return share_true(still_there_, [&](const Eigen::Vector3d& p_map) {
+    return claims(octree, p_map, DriveScore::kPoseSigma);
+  });
+}
+
+}  // namespace evermap

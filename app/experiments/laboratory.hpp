@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "experiments/experiment.hpp"
+
+namespace evermap {
+
+/// A folder of experiments. What has been computed is kept there and not computed again, so that a run that
+/// was interrupted goes on where it was.
+class Laboratory {
+ public:
+  /// Keeps what another build of the program has computed when `any_build`.
+  /// Throws IoError when the folder holds what no experiment has written, or cannot be written.
+  Laboratory(std::filesystem::path folder, bool any_build);
+
+  const std::filesystem::path& folder() const { return folder_; }
+
+  /// The result of a unit, computed when it is not there.
+  Json result(const Unit& unit, const Progress& progress) const;
+  /// The result of a unit, if it is there.
+  std::optional<Json> stored(const Unit& unit) const;
+
+  void write(const std::string& name, const std::string& text) const;
+
+ private:
+  std::filesystem::path file_of(const Unit& unit) const;
+
+  std::filesystem::path folder_;
+  bool any_build_;
+};
+
+}  // namespace evermap

@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace evermap {
+
+/// Names this very build of the program.
+std::string program_fingerprint();
+
+/// What figures depend on besides the method: processor, compiler, versions of libraries.
+std::vector<std::pair<std::string, std::string>> machine_facts();
+
+/// [s] CPU time of this process.
+double cpu_seconds();
+
+}  // namespace evermap

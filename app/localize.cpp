@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include "localized_run.hpp"
+#include "options.hpp"
+#include "report.hpp"
+#include "verbs.hpp"
+#include <evermap/io/map_file.hpp>
+#include <evermap/io/quaternion.hpp>
+#include <evermap/update/viewpoint.hpp>
+
+namespace evermap {
+namespace {
+
+struct Options {
+  std::filesystem::path map;
+  LocalizedScans scans;
+  std::vector<double> initial_pose;  ///< x y z [m] qx qy qz qw; empty: the map's origin
+  bool maintain = false;
+  std::filesystem::path poses;
+  std::filesystem::path map_out;
+  ParameterOptions parameters;
+  bool as_json = false;
+};
+
+Pose initial_pose_of(const Options& options) {
+  const std::vector<double>& v = options.initial_pose;
+  if (v.empty()) return {};
+  const auto rotation = rotation_from_file(Eigen::Quaterniond(v[6], v[3], v[4], v[5]));
+  if (!rotation) throw std::runtime_error("--initial-pose: the quaternion qx qy qz qw has not norm 1");
+  return {*rotation, {v[0], v[1], v[2]}};
+}
+
+void check(const Options& options) {
+  check_writable(options.poses);
+  if (options.maintain == options.map_out.empty()) {
+    throw std::runtime_error("--maintain and --map-out need each other");
+  }
+  if (options.maintain) check_writable(options.map_out);
+}
+
+void run(const Options& options) {
+  const UpdateParameters parameters = parameters_of(options.parameters);
+  check(options);
+  LocalizerParameters localizer;
+  localizer.lidar = parameters.lidar;
+  Octree octree = load_map(options.map);
+  if (octree.empty()) throw std::runtime_error(options.map.string() + " has no leaves to localize in");
+  Viewpoint viewpoint(parameters.standstill);
+  const TakeScan maintain = [&](const Scan& scan, const Pose& T_map_sensor) {
+    return update(octree, scan, T_map_sensor, parameters, viewpoint.novelty(T_map_sensor));
+  };
+  const LocalizedRun run = localize_scans(options.scans, octree, {initial_pose_of(options), localizer},
+                                          options.maintain ? maintain : TakeScan{});
+  write_tum_poses(options.poses, run.trajectory);
+  if (options.maintain) save_map(options.map_out, octree);
+  if (options.as_json) {
+    Json json = {{"poses", options.poses.string()}};
+    if (options.maintain) json["map"] = options.map_out.string();
+    json.update(to_json(run));
+    fmt::print("{}", dump(json));
+  } else {
+    if (options.maintain) fmt::print("map      {}\n", options.map_out.string());
+    fmt::print("poses    {}\n{}", options.poses.string(), to_text(run));
+  }
+}
+
+}  // namespace
+
+void add_localize(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("localize", "Find the poses of scans in a map, and keep it up to date");
+  const auto options = std::make_shared<Options>();
+  verb->add_option("MAP.evm", options->map, "Map to localize in")->required();
+  verb->add_option("SCANS", options->scans.scans, "Folder of .bin, .pcd or .ply files, or one of them")
+      ->required();
+  verb->add_option("-o,--output", options->poses, "Poses to write (TUM)")->required()->type_name("POSES.txt");
+  verb->add_option("--initial-pose", options->initial_pose,
+                   "Pose of the first scan, within 1 m and 10 degrees: \"x y z qx qy qz qw\"")
+      ->delimiter(' ')
+      ->expected(7)
+      ->type_name("POSE")
+      ->default_str("the map's origin");
+  add_odometry_options(*verb, options->scans);
+  verb->add_flag("--maintain", options->maintain, "Update the map with scans whose pose is believed");
+  verb->add_option("--map-out", options->map_out,
+                   "Map to write with --maintain; may be the one to start from")
+      ->type_name("OUT.evm");
+  verb->add_option("--threads", options->scans.threads, "Threads to use")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N")
+      ->default_str("all cores");
+  add_mode_option(*verb, options->parameters);
+  add_range_options(*verb, options->parameters);
+  add_config_option(*verb, options->parameters);
+  add_json_option(*verb, options->as_json);
+  verb->callback([options] { run(*options); });
+}
+
+}  // namespace evermap

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include <evermap/localization/gate.hpp>
+#include <evermap/localization/perturbation.hpp>
+
+namespace evermap {
+namespace {
+
+constexpr std::size_t kLeastMemory = 5;  ///< scans before a median means anything
+
+double median(const std::deque<double>& values) {
+  std::vector<double> sorted(values.begin(), values.end());
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return *middle;
+}
+
+/// Three standard deviations, within [least, growth * least].
+double three_sigma(const std::deque<double>& values, double least, double growth) {
+  if (values.size() < kLeastMemory) return least;
+  const double sum = std::inner_product(values.begin(), values.end(), values.begin(), 0.0);
+  return std::clamp(3 * std::sqrt(sum / static_cast<double>(values.size())), least, growth * least);
+}
+
+void push(std::deque<double>& values, double value, std::size_t memory) {
+  values.push_back(value);
+  if (values.size() > memory) values.pop_front();
+}
+
+}  // namespace
+
+std::string Gate::objection(const Registration& registration, const Pose& T_map_sensor_predicted,
+                            double slack) const {
+  if (!registration.converged()) return to_string(registration);
+  if (residuals_.size() >= kLeastMemory) {
+    if (registration.residual > parameters_.max_residual * median(residuals_))
+      return "fits worse than before";
+    if (registration.inlier_share < parameters_.least_inlier_share * median(inlier_shares_)) {
+      return "sees less of the map than before";
+    }
+  }
+  const GateParameters& p = parameters_;
+  const Twist off = difference(T_map_sensor_predicted, registration.T_map_sensor);
+  const double far = three_sigma(translations_, p.max_translation, p.max_growth);
+  const double turned = three_sigma(rotations_, p.max_rotation, p.max_growth);
+  if (off.head<3>().norm() > slack * far) return "is too far from the prediction";
+  if (off.tail<3>().norm() > slack * turned) return "is turned too far from the prediction";
+  return {};
+}
+
+void Gate::remember(const Registration& passed, const Pose& T_map_sensor_predicted, bool is_predicted) {
+  push(residuals_, passed.residual, parameters_.memory);
+  push(inlier_shares_, passed.inlier_share, parameters_.memory);
+  if (!is_predicted) return;
+  const Twist off = difference(T_map_sensor_predicted, passed.T_map_sensor);
+  push(translations_, off.head<3>().norm(), parameters_.memory);
+  push(rotations_, off.tail<3>().norm(), parameters_.memory);
+}
+
+}  // namespace evermap

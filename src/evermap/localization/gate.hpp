@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <deque>
+#include <numbers>
+#include <string>
+
+#include <evermap/localization/registration.hpp>
+
+namespace evermap {
+
+/// What a registered pose must satisfy before anything is believed of it. A registration that converged is
+/// not enough: among posts of equal spacing it converges one post off.
+struct GateParameters {
+  double max_translation = 0.3;                      ///< [m] from the prediction, or 3 sigma of how far
+                                                     ///< passed scans were from theirs, if that is more
+  double max_rotation = 2 * std::numbers::pi / 180;  ///< [rad] likewise
+  double max_growth = 2;                             ///< by which 3 sigma may widen these two
+  double max_residual = 3;                           ///< times the median of what passed before
+  double least_inlier_share = 0.6;                   ///< times the median of what passed before
+  std::size_t memory = 51;                           ///< scans that the medians are taken over
+};
+
+/// Judges registrations, remembering those that passed.
+class Gate {
+ public:
+  explicit Gate(const GateParameters& parameters) : parameters_(parameters) {}
+
+  /// Why this pose is not to be believed; empty when it is. `slack` widens the distance to the prediction,
+  /// for predictions over more than one scan.
+  std::string objection(const Registration& registration, const Pose& T_map_sensor_predicted,
+                        double slack) const;
+  /// Takes a scan that passed. `is_predicted`: whether its prediction came from known motion.
+  void remember(const Registration& passed, const Pose& T_map_sensor_predicted, bool is_predicted);
+
+ private:
+  GateParameters parameters_;
+  std::deque<double> translations_;  ///< [m] from prediction to pose
+  std::deque<double> rotations_;     ///< [rad]
+  std::deque<double> residuals_;
+  std::deque<double> inlier_shares_;
+};
+
+}  // namespace evermap

@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <evermap/localization/coarse_map.hpp>
+#include <evermap/localization/correspondence.hpp>
+#include <evermap/localization/perturbation.hpp>
+#include <evermap/localization/registration.hpp>
+#include <evermap/localization/robust_kernel.hpp>
+#include <evermap/localization/solver.hpp>
+
+namespace evermap {
+namespace {
+
+constexpr std::size_t kChunk = 256;  ///< bundles per task; fixed, so that sums do not depend on threads
+
+Gaussian transform(const Pose& T_map_sensor, const Gaussian& bundle_sensor) {
+  const Eigen::Matrix3d& R = T_map_sensor.rotation;
+  return {T_map_sensor * bundle_sensor.mean, R * bundle_sensor.covariance * R.transpose(),
+          bundle_sensor.count};
+}
+
+/// The sum over all bundles of what `share(match, bundle in the map frame)` gives; joined in order.
+template <class Share>
+NormalEquations sum_over_matches(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
+                                 const Pose& T_map_sensor, const Share& share) {
+  std::vector<NormalEquations> sums((bundles_sensor.size() + kChunk - 1) / kChunk);
+  oneapi::tbb::parallel_for(std::size_t{0}, sums.size(), [&](std::size_t chunk) {
+    const std::size_t end = std::min(bundles_sensor.size(), (chunk + 1) * kChunk);
+    for (std::size_t i = chunk * kChunk; i < end; ++i) {
+      const Gaussian bundle = transform(T_map_sensor, bundles_sensor[i]);
+      if (const auto match = correspond(map, bundle)) sums[chunk] += share(*match, bundle);
+    }
+  });
+  NormalEquations total;
+  for (const NormalEquations& sum : sums) total += sum;
+  return total;
+}
+
+double weight_of(const Correspondence& match, const Gaussian& bundle, const RobustKernel& kernel) {
+  return std::sqrt(bundle.count) * match.occupancy * kernel.weight(match.mahalanobis_squared);
+}
+
+NormalEquations linearize(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
+                          const Pose& T_map_sensor, const RobustKernel& kernel) {
+  return sum_over_matches(map, bundles_sensor, T_map_sensor, [&](const auto& match, const auto& bundle) {
+    return factor(match, bundle.mean - T_map_sensor.translation, weight_of(match, bundle, kernel));
+  });
+}
+
+/// The Hessian of what correspondences do not count.
+Matrix6 rest_hessian(const Octree& map, const std::vector<Gaussian>& bundles_sensor, const Pose& T_map_sensor,
+                     const RobustKernel& kernel) {
+  const auto rest = [&](Correspondence match, const Gaussian& bundle) {
+    match.information = match.rest * Eigen::Matrix3d::Identity();
+    return factor(match, bundle.mean - T_map_sensor.translation, weight_of(match, bundle, kernel));
+  };
+  return sum_over_matches(map, bundles_sensor, T_map_sensor, rest).hessian;
+}
+
+double root_mean_square_range(const std::vector<Gaussian>& bundles_sensor) {
+  double sum = 0;
+  for (const Gaussian& bundle : bundles_sensor) sum += bundle.mean.squaredNorm();
+  return std::sqrt(sum / static_cast<double>(bundles_sensor.size()));
+}
+
+RegistrationOutcome judge(const Registration& registration, std::size_t matched, bool settled,
+                          const RegistrationParameters& parameters) {
+  if (matched < parameters.least_matches) return RegistrationOutcome::kTooFewMatches;
+  if (registration.inlier_share < parameters.least_inlier_share) return RegistrationOutcome::kTooFewInliers;
+  if (registration.weakest.share < parameters.least_observability) return RegistrationOutcome::kUnobservable;
+  return settled ? RegistrationOutcome::kConverged : RegistrationOutcome::kIterationLimit;
+}
+
+}  // namespace
+
+std::vector<Gaussian> bundles_in_sensor_frame(const Scan& scan, double edge, const LidarParameters& lidar,
+                                              std::size_t max_bundles) {
+  const BundleGrid grid = condense(scan, Pose{}, VoxelGrid{.edge = edge}, lidar);
+  const std::vector<RayBundle>& all = grid.bundles();
+  const std::size_t count = std::min(all.size(), max_bundles);
+  std::vector<Gaussian> bundles;
+  bundles.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) bundles.push_back(all[i * all.size() / count].points);
+  return bundles;
+}
+
+Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
+                              const Pose& T_map_sensor_guess, const RegistrationParameters& parameters) {
+  Registration result;
+  result.T_map_sensor = T_map_sensor_guess;
+  if (bundles_sensor.size() < parameters.least_matches) return result;
+  RobustKernel kernel{parameters.first_kernel_width};
+  NormalEquations equations;
+  bool settled = false;
+  while (!settled && result.iterations < parameters.termination.max_iterations) {
+    equations = linearize(map, bundles_sensor, result.T_map_sensor, kernel);
+    const Twist step = solve(equations, parameters.damping);
+    result.T_map_sensor = perturb(result.T_map_sensor, step);
+    settled = kernel.width == parameters.last_kernel_width && parameters.termination.is_settled(step);
+    kernel.width = std::max(kernel.width / 2, parameters.last_kernel_width);
+    ++result.iterations;
+  }
+  result.weakest =
+      observability(equations.hessian, rest_hessian(map, bundles_sensor, result.T_map_sensor, kernel),
+                    root_mean_square_range(bundles_sensor));
+  result.inlier_share = static_cast<double>(equations.inliers) / static_cast<double>(bundles_sensor.size());
+  result.residual = equations.inlier_error / std::max(1.0, static_cast<double>(equations.inliers));
+  result.outcome = judge(result, equations.matched, settled, parameters);
+  if (result.converged()) result.covariance = equations.hessian.inverse() * result.residual;
+  return result;
+}
+
+Registration register_coarse_to_fine(const Octree& map, const Scan& scan, const Pose& T_map_sensor_guess,
+                                     const LidarParameters& lidar, const RegistrationParameters& parameters) {
+  Pose T_map_sensor = T_map_sensor_guess;
+  const std::vector<Octree> views = coarse_views(map, T_map_sensor.translation);
+  for (auto view = views.rbegin(); view != views.rend(); ++view) {
+    const auto bundles = bundles_in_sensor_frame(scan, view->grid().edge, lidar, parameters.max_bundles);
+    T_map_sensor = register_bundles(*view, bundles, T_map_sensor, parameters).T_map_sensor;
+  }
+  const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, lidar, parameters.max_bundles);
+  return register_bundles(map, bundles, T_map_sensor, parameters);
+}
+
+std::string to_string(const Registration& registration) {
+  switch (registration.outcome) {
+    case RegistrationOutcome::kConverged:
+      return "converged";
+    case RegistrationOutcome::kTooFewBundles:
+      return "too few points";
+    case RegistrationOutcome::kTooFewMatches:
+      return "off the map";
+    case RegistrationOutcome::kTooFewInliers:
+      return "does not fit the map";
+    case RegistrationOutcome::kUnobservable:
+      return "unobservable: " + to_string(registration.weakest);
+    case RegistrationOutcome::kAmbiguous:
+      return "fits as well in another place";
+    case RegistrationOutcome::kIterationLimit:
+      break;
+  }
+  return "does not come to rest";
+}
+
+}  // namespace evermap

@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <evermap/geometry/pose.hpp>
+#include <evermap/localization/factor.hpp>
+#include <evermap/localization/observability.hpp>
+#include <evermap/localization/termination.hpp>
+#include <evermap/map/octree.hpp>
+#include <evermap/scan/ray_bundle.hpp>
+
+namespace evermap {
+
+struct RegistrationParameters {
+  Termination termination;
+  std::size_t max_bundles = 2000;     ///< of a scan; more are thinned evenly
+  std::size_t least_matches = 50;     ///< bundles on the map, below which a pose is a guess
+  double first_kernel_width = 6;      ///< Mahalanobis distance; wide at first, so that far leaves may pull,
+  double last_kernel_width = 2;       ///< then halved from step to step down to this one
+  double damping = 1e-6;              ///< share of the Hessian's diagonal
+  double least_inlier_share = 0.3;    ///< of all bundles
+  double least_observability = 0.06;  ///< share of information that must come from shapes, in any
+                                      ///< direction; endless corridors and planes reach 0.054
+};
+
+/// Why a registration is to be trusted, or not.
+enum class RegistrationOutcome {
+  kConverged,
+  kTooFewBundles,   ///< the scan is (nearly) empty
+  kTooFewMatches,   ///< it does not lie on the map
+  kTooFewInliers,   ///< it lies on the map but does not fit
+  kUnobservable,    ///< it fits, and would after a motion in the weakest direction, too
+  kIterationLimit,  ///< it never came to rest
+  kAmbiguous,       ///< it fits as well in another place nearby (relocate)
+};
+
+/// Where a scan lies on the map.
+struct Registration {
+  Pose T_map_sensor;
+  RegistrationOutcome outcome = RegistrationOutcome::kTooFewBundles;
+  Matrix6 covariance = Matrix6::Zero();  ///< of the twist of perturb() [m, rad]; zero unless converged
+  Observability weakest;                 ///< the direction that is known least
+  double inlier_share = 0;               ///< of all bundles: on the map and within the 95 % ellipsoid
+  double residual = 0;                   ///< mean squared Mahalanobis distance of the inliers
+  int iterations = 0;
+
+  bool converged() const { return outcome == RegistrationOutcome::kConverged; }
+};
+
+/// "converged", "unobservable: translation along x", ...
+std::string to_string(const Registration& registration);
+
+/// The bundles of a scan in its own frame, for registration; iterating then only transforms them.
+std::vector<Gaussian> bundles_in_sensor_frame(const Scan& scan, double edge, const LidarParameters& lidar,
+                                              std::size_t max_bundles);
+
+/// Registers bundles [sensor frame] to the leaves of the map, distribution to distribution, from a pose that
+/// is off by no more than about a leaf's edge (coarse_to_fine reaches further).
+///
+/// Minimizes the sum of w e' M e over the bundles, e = mu_V - T mu_R, M = (S_V + R S_R R')^-1 as far as
+/// Correspondence counts it, with w the
+/// square root of the bundle's points times the leaf's occupancy times the robust kernel. Reads the map only;
+/// runs in parallel in the caller's TBB arena, with the same result for any number of threads.
+Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
+                              const Pose& T_map_sensor_guess, const RegistrationParameters& parameters);
+
+/// As register_bundles, from a pose that may be off by metres: registers to coarser and coarser views of the
+/// map's leaves around the sensor, the coarsest first.
+Registration register_coarse_to_fine(const Octree& map, const Scan& scan, const Pose& T_map_sensor_guess,
+                                     const LidarParameters& lidar, const RegistrationParameters& parameters);
+
+}  // namespace evermap

@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "app/program.hpp"
+#include <evermap/io/poses.hpp>
+
+namespace evermap {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A KITTI scan of a room with a pillar, from `x`, `y` in it: unlike the round one, it holds every direction.
+std::string hall(double x, double y) {
+  std::vector<float> values;
+  for (int row = 0; row < 32; ++row) {
+    for (int column = 0; column < 360; ++column) {
+      const double elevation = -0.4 + 0.02 * row;
+      const double azimuth = 2 * M_PI * column / 360;
+      const double cx = std::cos(azimuth);
+      const double cy = std::sin(azimuth);
+      double across = std::min(((cx > 0 ? 12 : -9) - x) / cx, ((cy > 0 ? 7 : -8) - y) / cy);
+      const double along = (5 - x) * cx + (3 - y) * cy;
+      const double aside = std::abs((3 - y) * cx - (5 - x) * cy);
+      if (along > 0 && aside < 1) across = std::min(across, along - std::sqrt(1 - aside * aside));
+      double range = across / std::cos(elevation);
+      if (elevation < 0) range = std::min(range, -1.7 / std::sin(elevation));
+      for (const double value : {range * std::cos(elevation) * cx, range * std::cos(elevation) * cy,
+                                 range * std::sin(elevation), 0.0}) {
+        values.push_back(static_cast<float>(value));
+      }
+    }
+  }
+  return bytes_of(values);
+}
+
+class LocalizeTest : public ProgramTest {
+ protected:
+  static constexpr int kScans = 12;
+  LocalizeTest() {
+    std::filesystem::create_directory(path("scans"));
+    for (int i = 0; i < kScans; ++i) {
+      make("scans/" + std::to_string(1000 + i) + ".bin", hall(0.1 * i, 0.02 * i));
+      truth_ += "1 0 0 " + std::to_string(0.1 * i) + " 0 1 0 " + std::to_string(0.02 * i) + " 0 0 1 0\n";
+    }
+    make("truth.txt", truth_);
+  }
+  std::vector<std::string> localize(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments = {"localize", name("map.evm"), name("scans"), "-o",
+                                          name("poses.txt")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+  void build_map() const {
+    expect_done({"build", name("scans"), "--poses", name("truth.txt"), "-r", "0.4", "-o", name("map.evm")});
+  }
+  void expect_poses(const std::string& file, double tolerance) const {
+    const std::vector<StampedPose> found = read_poses(path(file));
+    ASSERT_EQ(found.size(), static_cast<std::size_t>(kScans));
+    for (int i = 0; i < kScans; ++i) {
+      const StampedPose& pose = found[static_cast<std::size_t>(i)];
+      EXPECT_NEAR(pose.time.value(), 0.1 * (i + 1), 1e-6);
+      EXPECT_LT((pose.T_map_sensor.translation - Eigen::Vector3d(0.1 * i, 0.02 * i, 0)).norm(), tolerance)
+          << i;
+    }
+  }
+  std::string truth_;
+};
+
+TEST_F(LocalizeTest, FindsThePosesInAMap) {
+  build_map();
+  const Result result = run(localize({"--json"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json report = Json::parse(result.out);
+  EXPECT_EQ(report["states"]["tracking"], kScans - 2);
+  EXPECT_EQ(report["scans"]["done"], kScans);
+  expect_poses("poses.txt", 0.03);
+}
+
+TEST_F(LocalizeTest, MaintainsTheMapTheSameForAnyNumberOfThreads) {
+  build_map();
+  expect_done(localize({"--maintain", "--map-out", name("one.evm"), "--threads", "1"}));
+  const std::string poses = content(path("poses.txt"));
+  expect_done(localize({"--maintain", "--map-out", name("three.evm"), "--threads", "3"}));
+  EXPECT_TRUE(content(path("one.evm")) == content(path("three.evm")));
+  EXPECT_EQ(content(path("poses.txt")), poses);
+}
+
+TEST_F(LocalizeTest, BuildsAMapWithoutPoses) {
+  expect_done({"build", name("scans"), "-r", "0.4", "-o", name("map.evm"), "--poses-out", name("found.txt")});
+  expect_poses("found.txt", 0.1);
+}
+
+TEST_F(LocalizeTest, TakesAnInitialPoseAndOdometry) {
+  build_map();
+  make("odometry.txt", truth_);
+  expect_done(localize({"--odometry", name("odometry.txt"), "--initial-pose", "0.5 0.3 0 0 0 0 1"}));
+  expect_poses("poses.txt", 0.03);
+}
+
+TEST_F(LocalizeTest, OdometryThatDoesNotBelongToTheScansIsNamed) {
+  build_map();
+  const auto tum = [](const std::vector<double>& times) {
+    std::string text;
+    for (const double time : times) text += std::to_string(time) + " 0 0 0 0 0 0 1\n";
+    return text;
+  };
+  const auto expect = [&](const std::vector<double>& times, const std::string& text) {
+    make("odometry.txt", tum(times));
+    expect_failed(localize({"--odometry", name("odometry.txt")}), text);
+  };
+  expect({0.1, 0.2, 0.3}, "has 3 poses for the 12 scans");
+  expect({0.1, 0.2, 0.2, 0.4}, "line 3: the time is not later");
+  expect({0.1, 0.3, 0.2, 0.4}, "line 3: the time is not later");
+}
+
+TEST_F(LocalizeTest, WrongUseIsNamed) {
+  build_map();
+  expect_failed(localize({"--maintain"}), "--map-out");
+  expect_failed(localize({"--initial-pose", "0 0 0 0 0 0 3"}), "norm");
+  EXPECT_EQ(run(localize({"--initial-pose", "1 2 3"})).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace evermap

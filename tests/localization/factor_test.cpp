@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "support/random_geometry.hpp"
+#include <evermap/localization/factor.hpp>
+#include <evermap/localization/perturbation.hpp>
+#include <evermap/localization/solver.hpp>
+
+namespace evermap {
+namespace {
+
+TEST(Factor, JacobianIsTheDerivativeOfTheResidual) {
+  test::Random random(2);
+  for (int i = 0; i < 200; ++i) {
+    const Pose T_map_sensor{random.rotation(), random.in_cube(100)};
+    const Eigen::Vector3d p_sensor = random.in_cube(50);
+    const Eigen::Vector3d leaf = random.in_cube(100);
+    const auto J = jacobian(T_map_sensor * p_sensor - T_map_sensor.translation);
+    constexpr double kStep = 1e-5;
+    for (int k = 0; k < 6; ++k) {
+      const Twist step = kStep * Twist::Unit(k);
+      const Eigen::Vector3d ahead = leaf - perturb(T_map_sensor, step) * p_sensor;
+      const Eigen::Vector3d behind = leaf - perturb(T_map_sensor, -step) * p_sensor;
+      EXPECT_LT(((ahead - behind) / (2 * kStep) - J.col(k)).norm(), 1e-7);
+    }
+  }
+}
+
+TEST(Factor, GradientIsTheDerivativeOfHalfTheSum) {
+  test::Random random(3);
+  for (int i = 0; i < 200; ++i) {
+    const Pose T_map_sensor{random.rotation(), random.in_cube(10)};
+    const Eigen::Vector3d p_sensor = random.in_cube(20);
+    const Eigen::Vector3d leaf = T_map_sensor * p_sensor + random.in_cube(0.3);
+    const Correspondence match{leaf - T_map_sensor * p_sensor, random.covariance(1, 30), 0, 1, 1};
+    const auto half_sum = [&](const Twist& step) {
+      const Eigen::Vector3d e = leaf - perturb(T_map_sensor, step) * p_sensor;
+      return 0.5 * 1.7 * e.dot(match.information * e);
+    };
+    const NormalEquations equations = factor(match, T_map_sensor * p_sensor - T_map_sensor.translation, 1.7);
+    for (int k = 0; k < 6; ++k) {
+      const Twist step = 1e-6 * Twist::Unit(k);
+      const double slope = (half_sum(step) - half_sum(-step)) / 2e-6;
+      EXPECT_NEAR(equations.gradient[k], slope, 1e-5 * (1 + equations.gradient.norm()));
+    }
+  }
+}
+
+TEST(Solver, SolvesWhatIsRegularAndStaysWhereNothingIsSaid) {
+  NormalEquations equations;
+  EXPECT_EQ(solve(equations, 1e-6), Twist::Zero());
+  test::Random random(4);
+  for (int i = 0; i < 6; ++i) {
+    const Twist row = (Twist() << random.normal3(), random.normal3()).finished();
+    equations.hessian += row * row.transpose();
+  }
+  const Twist step = (Twist() << random.normal3(), random.normal3()).finished();
+  equations.gradient = -equations.hessian * step;
+  EXPECT_LT((solve(equations, 0) - step).norm(), 1e-6 * step.norm());
+}
+
+}  // namespace
+}  // namespace evermap

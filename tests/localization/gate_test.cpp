@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <evermap/localization/gate.hpp>
+
+namespace evermap {
+namespace {
+
+Registration fitting(double x, double residual = 1, double share = 0.9) {
+  Registration registration;
+  registration.outcome = RegistrationOutcome::kConverged;
+  registration.T_map_sensor.translation.x() = x;
+  registration.residual = residual;
+  registration.inlier_share = share;
+  return registration;
+}
+
+class GateTest : public ::testing::Test {
+ protected:
+  GateTest() {
+    for (int i = 0; i < 10; ++i) gate_.remember(fitting(0.01), Pose{}, true);
+  }
+  bool passes(const Registration& registration, double slack = 1) const {
+    return gate_.objection(registration, Pose{}, slack).empty();
+  }
+  Gate gate_{GateParameters{}};
+};
+
+TEST_F(GateTest, ObjectsToWhatDidNotConverge) {
+  Registration registration = fitting(0);
+  EXPECT_TRUE(passes(registration));
+  registration.outcome = RegistrationOutcome::kUnobservable;
+  EXPECT_EQ(gate_.objection(registration, Pose{}, 1), "unobservable: translation along x");
+}
+
+TEST_F(GateTest, ObjectsToAPoseFarFromThePrediction) {
+  EXPECT_TRUE(passes(fitting(0.29)));
+  EXPECT_FALSE(passes(fitting(0.31)));
+  EXPECT_TRUE(passes(fitting(0.31), 2));
+  Registration turned = fitting(0);
+  turned.T_map_sensor.rotation = Eigen::AngleAxisd(0.034, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  EXPECT_TRUE(passes(turned));
+  turned.T_map_sensor.rotation = Eigen::AngleAxisd(0.036, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  EXPECT_FALSE(passes(turned));
+}
+
+TEST_F(GateTest, ObjectsToAWorseFitThanBefore) {
+  EXPECT_TRUE(passes(fitting(0, 2.9)));
+  EXPECT_FALSE(passes(fitting(0, 3.1)));
+  EXPECT_TRUE(passes(fitting(0, 1, 0.55)));
+  EXPECT_FALSE(passes(fitting(0, 1, 0.53)));
+}
+
+TEST(Gate, WidensForARobotThatMovesRoughlyButNotWithoutLimit) {
+  Gate gate{GateParameters{}};
+  for (int i = 0; i < 10; ++i) gate.remember(fitting(0.15), Pose{}, true);
+  EXPECT_TRUE(gate.objection(fitting(0.44), Pose{}, 1).empty());
+  EXPECT_FALSE(gate.objection(fitting(0.46), Pose{}, 1).empty());
+  for (int i = 0; i < 60; ++i) gate.remember(fitting(5), Pose{}, true);
+  EXPECT_FALSE(gate.objection(fitting(0.61), Pose{}, 1).empty());
+}
+
+}  // namespace
+}  // namespace evermap

@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <limits>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include "localization/worlds.hpp"
+#include "support/random_geometry.hpp"
+#include <evermap/localization/correspondence.hpp>
+#include <evermap/localization/perturbation.hpp>
+#include <evermap/localization/registration.hpp>
+
+namespace evermap {
+namespace {
+
+constexpr double kDegree = 0.017453292519943295;
+
+/// The yard as it was surveyed, and scans of it as it is now.
+struct YardNow {
+  Yard yard = make_yard();
+  Octree map = test::survey_map(yard.before, 0.4);
+  Scan scan(std::size_t i) const {
+    return Simulator(yard.now).scan(yard.T_map_sensor[i], test::small_lidar(), i);
+  }
+};
+const YardNow& yard_now() {
+  static const YardNow yard;
+  return yard;
+}
+
+Registration register_fine(const Octree& map, const Scan& scan, const Pose& guess) {
+  const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, {}, 2000);
+  return register_bundles(map, bundles, guess, {});
+}
+
+Pose shaken(const Pose& pose, double translation, double rotation, test::Random& random) {
+  Twist twist;
+  twist << translation * std::cbrt(random.uniform(0, 1)) * random.direction(),
+      rotation * random.uniform(0, 1) * random.direction();
+  return perturb(pose, twist);
+}
+
+// Plain and slow: all leaves of the map are looked at, and everything is written out by the formulas.
+TEST(Correspondence, IsTheNearestOfSevenVoxels) {
+  const Octree& map = yard_now().map;
+  const Pose& T = yard_now().yard.T_map_sensor[3];
+  test::Random random(5);
+  const auto bundles = bundles_in_sensor_frame(yard_now().scan(3), 0.4, {}, 40);
+  std::size_t matched = 0;
+  for (const Gaussian& bundle_sensor : bundles) {
+    const Gaussian bundle{T * bundle_sensor.mean + random.in_cube(0.3),
+                          T.rotation * bundle_sensor.covariance * T.rotation.transpose(), 1};
+    const Eigen::Vector3i voxel = *map.grid().voxel(bundle.mean);
+    double best = std::numeric_limits<double>::infinity();
+    Eigen::Matrix3d best_information;
+    map.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
+      if (!leaf.occupied() || (key.voxel() - voxel).cwiseAbs().sum() > 1) return;
+      const Gaussian surface = map.gaussian(key, leaf);
+      const Eigen::Matrix3d M = (surface.covariance + bundle.covariance).inverse();
+      const double d2 = (surface.mean - bundle.mean).dot(M * (surface.mean - bundle.mean));
+      if (d2 < best) best_information = M;
+      best = std::min(best, d2);
+    });
+    const auto match = correspond(map, bundle);
+    ASSERT_EQ(match.has_value(), std::isfinite(best));
+    if (!match) continue;
+    ++matched;
+    EXPECT_NEAR(match->mahalanobis_squared, best, 1e-9 * (1 + best));
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(best_information);
+    const Eigen::Vector3d n = eigen.eigenvectors().col(2);
+    const double gap = eigen.eigenvalues()[2] - eigen.eigenvalues()[1];
+    EXPECT_NEAR(match->rest, eigen.eigenvalues()[1], 1e-5 * eigen.eigenvalues()[2]);
+    EXPECT_LT((match->information - gap * n * n.transpose()).norm(), 1e-4 * eigen.eigenvalues()[2]);
+  }
+  EXPECT_GT(matched, 20U);
+}
+
+TEST(Registration, FindsThePoseFromCloseBy) {
+  test::Random random(6);
+  for (std::size_t i = 0; i < 10; ++i) {
+    const Pose& truth = yard_now().yard.T_map_sensor[6 * i];
+    const Registration found =
+        register_fine(yard_now().map, yard_now().scan(6 * i), shaken(truth, 0.2, kDegree, random));
+    EXPECT_TRUE(found.converged()) << to_string(found);
+    const Twist off = difference(truth, found.T_map_sensor);
+    EXPECT_LT(off.head<3>().norm(), 0.01);
+    EXPECT_LT(off.tail<3>().norm(), 0.1 * kDegree);
+    EXPECT_GT(found.inlier_share, 0.8);
+  }
+}
+
+TEST(Registration, FindsThePoseFromAMetreAndTenDegrees) {
+  test::Random random(7);
+  int missed = 0;
+  for (std::size_t i = 0; i < 50; ++i) {
+    const Pose& truth = yard_now().yard.T_map_sensor[i];
+    const Registration found = register_coarse_to_fine(yard_now().map, yard_now().scan(i),
+                                                       shaken(truth, 1, 10 * kDegree, random), {}, {});
+    const Twist off = difference(truth, found.T_map_sensor);
+    const bool is_there = off.head<3>().norm() < 0.01 && off.tail<3>().norm() < 0.1 * kDegree;
+    missed += !(is_there && found.converged());
+  }
+  EXPECT_EQ(missed, 0);
+}
+
+TEST(Registration, AnyNumberOfThreadsGivesTheSameBytes) {
+  test::Random random(8);
+  const Scan scan = yard_now().scan(0);
+  const Pose guess = shaken(yard_now().yard.T_map_sensor[0], 0.5, 5 * kDegree, random);
+  const auto with_threads = [&](int threads) {
+    const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
+                                            static_cast<std::size_t>(threads));
+    oneapi::tbb::task_arena arena(threads);
+    return arena.execute([&] { return register_coarse_to_fine(yard_now().map, scan, guess, {}, {}); });
+  };
+  const Registration one = with_threads(1);
+  for (const int threads : {2, 3, 8}) {
+    const Registration many = with_threads(threads);
+    EXPECT_EQ(one.T_map_sensor.rotation, many.T_map_sensor.rotation);
+    EXPECT_EQ(one.T_map_sensor.translation, many.T_map_sensor.translation);
+    EXPECT_EQ(one.covariance, many.covariance);
+    EXPECT_EQ(one.residual, many.residual);
+    EXPECT_EQ(one.weakest.share, many.weakest.share);
+  }
+}
+
+class Degenerate : public ::testing::TestWithParam<double> {};
+
+TEST_P(Degenerate, AnEndlessCorridorHoldsNothingAlongIt) {
+  for (const double yaw : {0.0, 0.6}) {
+    const Scene scene = test::corridor(yaw);
+    const Octree map = test::survey_map(scene, GetParam());
+    Pose guess;
+    guess.translation.x() = 0.1;
+    const Registration found =
+        register_fine(map, Simulator(scene).scan(Pose{}, test::small_lidar(), 1), guess);
+    EXPECT_FALSE(found.converged());
+    EXPECT_EQ(found.outcome, RegistrationOutcome::kUnobservable) << to_string(found);
+    if (GetParam() < 0.2) continue;  // there, the sensor's noise is as thick as the leaf
+    EXPECT_FALSE(found.weakest.is_rotation) << to_string(found);
+    EXPECT_GT(std::abs(found.weakest.axis.dot(Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0))), 0.97);
+  }
+}
+
+TEST_P(Degenerate, APlaneHoldsNoTurnAboutItsNormal) {
+  const Scene scene = test::plane();
+  const Registration found = register_fine(test::survey_map(scene, GetParam()),
+                                           Simulator(scene).scan(Pose{}, test::small_lidar(), 1), Pose{});
+  EXPECT_EQ(found.outcome, RegistrationOutcome::kUnobservable);
+  EXPECT_EQ(to_string(found), "unobservable: rotation about z");
+}
+
+INSTANTIATE_TEST_SUITE_P(Edges, Degenerate, ::testing::Values(0.2, 0.4, 0.8));
+
+TEST(Registration, OfNextToNothingDoesNotConverge) {
+  const Scan scan = yard_now().scan(0);
+  const Pose& truth = yard_now().yard.T_map_sensor[0];
+  const auto outcome = [&](const Octree& map, const Scan& points, const Pose& guess) {
+    const Registration coarse = register_coarse_to_fine(map, points, guess, {}, {});
+    EXPECT_FALSE(coarse.converged());
+    EXPECT_TRUE(coarse.T_map_sensor.translation.allFinite());
+    return register_fine(map, points, guess).outcome;
+  };
+  EXPECT_EQ(outcome(yard_now().map, Scan{}, truth), RegistrationOutcome::kTooFewBundles);
+  Scan five;
+  five.p_sensor.assign(scan.p_sensor.begin(), scan.p_sensor.begin() + 5);
+  EXPECT_EQ(outcome(yard_now().map, five, truth), RegistrationOutcome::kTooFewBundles);
+  Scan heap_of_points;
+  heap_of_points.p_sensor.assign(5000, {5, 0, 0});
+  EXPECT_EQ(outcome(yard_now().map, heap_of_points, truth), RegistrationOutcome::kTooFewBundles);
+  EXPECT_EQ(outcome(Octree(VoxelGrid{0.4}), scan, truth), RegistrationOutcome::kTooFewMatches);
+  Pose far = truth;
+  far.translation.x() += 1000;
+  EXPECT_EQ(outcome(yard_now().map, scan, far), RegistrationOutcome::kTooFewMatches);
+  far.translation.x() = 1e12;  // beyond the range of keys
+  EXPECT_EQ(outcome(yard_now().map, scan, far), RegistrationOutcome::kTooFewMatches);
+}
+
+}  // namespace
+}  // namespace evermap
