@@ -191,6 +191,7 @@ Experiment experiment_ablation(const Setup& setup) {
   Experiment experiment{"ablation", {}, {}, {}};
   std::vector<std::pair<double, World>> parts;
   for (const World& world : worlds()) {
+    if (setup.is_quick && !is_real(world) && world.name != "yard") continue;
     const std::string missing =
         is_real(world) ? why_left_out(setup, world.name == "drive" ? kDrive : kRedlight) : "";
     if (!missing.empty()) experiment.left_out.push_back(missing);

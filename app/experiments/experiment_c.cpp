@@ -20,7 +20,7 @@ constexpr std::size_t kLateScans = 50;  ///< of the scenario: the pile is measur
 ScenarioChoice choice(double leaf, bool is_quick) {
   // OctoMap needs seconds for each scan of the pit. Scans farther apart would see what has changed too seldom
   // to contradict it, so that where leaves are small the run is shorter instead.
-  const int scans = is_quick ? 30 : leaf < 0.3 ? 210 : 600;
+  const int scans = is_quick ? 24 : leaf < 0.3 ? 210 : 600;
   return {.scenario = "quarry",
           .every = leaf < 0.3 || is_quick ? 3U : 2U,
           .scans = scans,
@@ -44,7 +44,7 @@ Json pile_distance(const Points& map, const Truth& truth, const Points& pile, do
 
 Unit unit_of(const Setup& setup, double leaf) {
   const ScenarioChoice chosen = choice(leaf, setup.is_quick);
-  const std::size_t measurements = setup.is_quick ? 3 : 12;
+  const std::size_t measurements = setup.is_quick ? 2 : 12;
   const auto compute = [=](const Progress& progress) {
     const ScenarioCourse course(chosen, setup.seed);
     const Points pile = course.observed_lately("pile", kLateScans);

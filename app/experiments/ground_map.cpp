@@ -4,10 +4,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <Eigen/Geometry>
 
 namespace evermap {
+namespace {
+
+/// Points a cell apart over a rectangle around zero.
+std::vector<Eigen::Vector2d> lattice(const Eigen::Vector2d& half) {
+  const Eigen::Vector2i steps = (2 * half / GroundMap::kCell).array().floor().cast<int>();
+  std::vector<Eigen::Vector2d> offsets;
+  offsets.reserve(static_cast<std::size_t>((steps.x() + 1) * (steps.y() + 1)));
+  for (int i = 0; i <= steps.x(); ++i) {
+    for (int j = 0; j <= steps.y(); ++j) offsets.push_back(GroundMap::kCell * Eigen::Vector2d(i, j) - half);
+  }
+  return offsets;
+}
+
+}  // namespace
 
 std::uint64_t GroundMap::key(const Eigen::Vector2d& xy) {
   const auto x = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(xy.x() / kCell)));
@@ -38,32 +53,26 @@ std::optional<double> GroundMap::height(const Eigen::Vector2d& xy) const {
 bool GroundMap::is_free(const Eigen::Vector2d& center, double yaw, const Eigen::Vector2d& half) const {
   constexpr double kUneven = 0.35;  // [m] between the lowest and the highest cell
   const Eigen::Rotation2Dd turn(yaw);
-  int cells = 0;
-  int seen = 0;
+  std::size_t seen = 0;
   double lowest = INFINITY;
   double highest = -INFINITY;
-  for (double x = -half.x(); x <= half.x(); x += kCell) {
-    for (double y = -half.y(); y <= half.y(); y += kCell) {
-      ++cells;
-      const auto found = columns_.find(key(center + turn * Eigen::Vector2d(x, y)));
-      if (found == columns_.end()) continue;
-      if (found->second.standing > 0) return false;
-      ++seen;
-      lowest = std::min(lowest, found->second.lowest);
-      highest = std::max(highest, found->second.lowest);
-    }
+  const std::vector<Eigen::Vector2d> cells = lattice(half);
+  for (const Eigen::Vector2d& offset : cells) {
+    const auto found = columns_.find(key(center + turn * offset));
+    if (found == columns_.end()) continue;
+    if (found->second.standing > 0) return false;
+    ++seen;
+    lowest = std::min(lowest, found->second.lowest);
+    highest = std::max(highest, found->second.lowest);
   }
-  return 10 * seen > 8 * cells && highest - lowest < kUneven;
+  return 10 * seen > 8 * cells.size() && highest - lowest < kUneven;
 }
 
 std::size_t GroundMap::standing(const Eigen::Vector2d& center, double edge) const {
   std::size_t points = 0;
-  const double reach = (edge - kCell) / 2;
-  for (double x = -reach; x <= reach; x += kCell) {
-    for (double y = -reach; y <= reach; y += kCell) {
-      const auto found = columns_.find(key(center + Eigen::Vector2d(x, y)));
-      if (found != columns_.end()) points += found->second.standing;
-    }
+  for (const Eigen::Vector2d& offset : lattice(Eigen::Vector2d::Constant((edge - kCell) / 2))) {
+    const auto found = columns_.find(key(center + offset));
+    if (found != columns_.end()) points += found->second.standing;
   }
   return points;
 }

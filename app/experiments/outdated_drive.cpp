@@ -139,9 +139,11 @@ std::vector<Site> sites_along(const std::vector<AlignedScan>& scans) {
   Eigen::AlignedBox2d area;
   for (const AlignedScan& s : scans) area.extend(s.T_map_sensor.translation.head<2>());
   std::vector<Site> sites;
-  for (double x = area.min().x() - kReach; x <= area.max().x() + kReach; ++x) {
-    for (double y = area.min().y() - kReach; y <= area.max().y() + kReach; ++y) {
-      Site site{{x, y}, yaw, std::numeric_limits<double>::infinity()};
+  const Eigen::Vector2d corner = area.min().array() - kReach;
+  const Eigen::Vector2i meters = (area.sizes().array() + 2 * kReach).cast<int>();
+  for (int x = 0; x <= meters.x(); ++x) {
+    for (int y = 0; y <= meters.y(); ++y) {
+      Site site{corner + Eigen::Vector2d(x, y), yaw, std::numeric_limits<double>::infinity()};
       for (const AlignedScan& s : scans) {
         site.distance = std::min(site.distance, (s.T_map_sensor.translation.head<2>() - site.xy).norm());
       }

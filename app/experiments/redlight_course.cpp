@@ -45,8 +45,8 @@ std::vector<bool> are_transient(const Points& points, const Stretches& stretches
     const std::vector<double> distances = nearest_distances(points, stretch);
     for (std::size_t k = 0; k < points.size(); ++k) found[k] += distances[k] < kSame ? 1 : 0;
   }
-  std::vector<bool> transient;
-  for (const int stretches_with_it : found) transient.push_back(stretches_with_it < 2);
+  std::vector<bool> transient(points.size());
+  std::transform(found.begin(), found.end(), transient.begin(), [](int times) { return times < 2; });
   return transient;
 }
 

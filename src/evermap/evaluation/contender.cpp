@@ -14,8 +14,8 @@ namespace {
 /// The survey's map for ever.
 class StaticContender final : public Contender {
  public:
-  StaticContender(std::string name, double edge, const UpdateParameters& parameters)
-      : Contender(name), map_(std::move(name), edge, parameters) {}
+  StaticContender(const std::string& name, double edge, const UpdateParameters& parameters)
+      : Contender(name), map_(name, edge, parameters) {}
 
   std::string version() const override { return map_.version(); }
   void start(const Points& survey_map) override { map_.start(survey_map); }
@@ -79,43 +79,44 @@ class GridContender final : public Contender {
   Feed feed_;
 };
 
-using Maker = std::unique_ptr<Contender> (*)(std::string name, double edge, const LidarParameters& lidar);
+using Maker = std::unique_ptr<Contender> (*)(const std::string& name, double edge,
+                                             const LidarParameters& lidar);
 
 template <class Kind>
-std::unique_ptr<Contender> make_evermap(std::string name, double edge, const LidarParameters& lidar,
+std::unique_ptr<Contender> make_evermap(const std::string& name, double edge, const LidarParameters& lidar,
                                         UpdateParameters parameters) {
   parameters.lidar = lidar;
-  return std::make_unique<Kind>(std::move(name), edge, parameters);
+  return std::make_unique<Kind>(name, edge, parameters);
 }
 
-std::unique_ptr<Contender> make_static(std::string name, double edge, const LidarParameters& lidar) {
-  return make_evermap<StaticContender>(std::move(name), edge, lidar, UpdateParameters{});
+std::unique_ptr<Contender> make_static(const std::string& name, double edge, const LidarParameters& lidar) {
+  return make_evermap<StaticContender>(name, edge, lidar, UpdateParameters{});
 }
 
-std::unique_ptr<Contender> make_octomap(std::string name, double edge, const LidarParameters& lidar) {
-  return std::make_unique<GridContender<OctoMapBaseline>>(std::move(name), edge, all_points(lidar));
+std::unique_ptr<Contender> make_octomap(const std::string& name, double edge, const LidarParameters& lidar) {
+  return std::make_unique<GridContender<OctoMapBaseline>>(name, edge, all_points(lidar));
 }
 
-std::unique_ptr<Contender> make_octomap_of_means(std::string name, double edge,
+std::unique_ptr<Contender> make_octomap_of_means(const std::string& name, double edge,
                                                  const LidarParameters& lidar) {
-  return std::make_unique<GridContender<OctoMapBaseline>>(std::move(name), edge, voxel_means(edge, lidar));
+  return std::make_unique<GridContender<OctoMapBaseline>>(name, edge, voxel_means(edge, lidar));
 }
 
-std::unique_ptr<Contender> make_ufomap([[maybe_unused]] std::string name, [[maybe_unused]] double edge,
+std::unique_ptr<Contender> make_ufomap([[maybe_unused]] const std::string& name, [[maybe_unused]] double edge,
                                        [[maybe_unused]] const LidarParameters& lidar) {
 #ifdef EVERMAP_UFOMAP_VERSION
-  return std::make_unique<GridContender<UfoMapBaseline>>(std::move(name), edge, all_points(lidar));
+  return std::make_unique<GridContender<UfoMapBaseline>>(name, edge, all_points(lidar));
 #else
   return nullptr;
 #endif
 }
 
-std::unique_ptr<Contender> make_paper(std::string name, double edge, const LidarParameters& lidar) {
-  return make_evermap<EvermapContender>(std::move(name), edge, lidar, UpdateParameters::paper());
+std::unique_ptr<Contender> make_paper(const std::string& name, double edge, const LidarParameters& lidar) {
+  return make_evermap<EvermapContender>(name, edge, lidar, UpdateParameters::paper());
 }
 
-std::unique_ptr<Contender> make_default(std::string name, double edge, const LidarParameters& lidar) {
-  return make_evermap<EvermapContender>(std::move(name), edge, lidar, UpdateParameters{});
+std::unique_ptr<Contender> make_default(const std::string& name, double edge, const LidarParameters& lidar) {
+  return make_evermap<EvermapContender>(name, edge, lidar, UpdateParameters{});
 }
 
 const std::vector<std::pair<std::string, Maker>>& makers() {

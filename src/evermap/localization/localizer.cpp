@@ -68,7 +68,7 @@ Registration Localizer::register_scan(const Octree& map, const Scan& scan, const
   }
   if (state_ == TrackingState::kTracking) {
     const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, p.lidar, p.registration.max_bundles);
-    const Registration found = register_bundles(map, bundles, predicted, p.registration);
+    Registration found = register_bundles(map, bundles, predicted, p.registration);
     if (found.converged()) return found;
   }
   return register_coarse_to_fine(map, scan, predicted, p.lidar, p.registration);
