@@ -57,7 +57,8 @@ void for_each_field(Parameters& parameters, Visit&& visit) {
   visit("incidence_weight", incidence_weight,
         "weigh a flat leaf's impact by |cos| of the angle of incidence");
   visit("least_impact", least_impact, "[0, 1] smaller impacts are ignored");
-  visit("end_guard", end_guard, "[m] before a ray's hit, in which it contradicts nothing");
+  visit("end_guard", end_guard,
+        "[alignment errors of the scan] before a ray's hit, in which it contradicts nothing");
   visit("displacement", displacement, "[alignment errors of the scan] how far a surface may seem displaced");
   visit("hit", hit, "[log-odds] gained by one hit");
   visit("miss", miss, "[log-odds] lost by one full contradiction");

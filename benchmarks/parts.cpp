@@ -96,9 +96,10 @@ struct Meeting {
 
 std::vector<Meeting> meetings_of(const Octree& octree, const BundleGrid& bundles) {
   std::vector<RayFan::Target> targets;
+  const double guard = UpdateParameters{}.end_guard * alignment_error(octree, bundles);  // [m]
   for (const RayBundle& bundle : bundles.bundles()) {
     const double length = Ray{bundles.origin_map, bundle.points.mean}.length();
-    targets.push_back({bundle.points.mean, 1 - UpdateParameters{}.end_guard / length});
+    targets.push_back({bundle.points.mean, 1 - guard / length});
   }
   const RayFan fan(octree.grid(), bundles.origin_map, targets);
   std::vector<Meeting> meetings;

@@ -48,7 +48,7 @@ std::vector<Rule> rules() {
   });
   add("+ noisy-or", [](auto& q) { q.combination = Combination::kNoisyOr; });
   add("+ surface crossing", [](auto& q) { q.surface_crossing = true; });
-  add("+ 1 m end guard", [](auto& q) { q.end_guard = UpdateParameters{}.end_guard; });
+  add("+ end guard", [](auto& q) { q.end_guard = UpdateParameters{}.end_guard; });
   add("+ memory of 1000 points", [](auto& q) { q.max_count = UpdateParameters{}.max_count; });
   add("+ three confirmations", [](auto& q) { q.confirmations = UpdateParameters{}.confirmations; });
   add("+ viewpoint memory", [](auto& q) { q.standstill = UpdateParameters{}.standstill; });

@@ -135,7 +135,8 @@ bool is_hit(const std::vector<Bundle>& bundles, VoxelKey key) {
 using Evidence = std::map<VoxelKey, std::vector<Contradiction>>;
 
 Evidence gathered(const std::map<VoxelKey, ReferenceLeaf>& leaves, const std::vector<Bundle>& bundles,
-                  const VoxelGrid& grid, const Vector3d& o, const UpdateParameters& parameters) {
+                  const VoxelGrid& grid, const Vector3d& o, double error,
+                  const UpdateParameters& parameters) {
   Evidence evidence;
   std::set<VoxelKey> hit;
   for (const Bundle& bundle : bundles) hit.insert(bundle.key);
@@ -144,7 +145,7 @@ Evidence gathered(const std::map<VoxelKey, ReferenceLeaf>& leaves, const std::ve
     const Vector3d u = (bundle.mean - o) / length;
     const double sigma_along = std::sqrt(u.dot(bundle.covariance * u));
     const double free =
-        length - std::max(parameters.end_guard, 3 * parameters.lidar.range_sigma + 2 * sigma_along);
+        length - std::max(parameters.end_guard * error, 3 * parameters.lidar.range_sigma + 2 * sigma_along);
     for (const NaiveStep& step : naive_walk(grid, {o, bundle.mean})) {
       if (free <= 0 || step.entry * length > free) break;
       const VoxelKey key = VoxelKey::from_voxel(step.voxel);
@@ -308,8 +309,9 @@ void ReferenceUpdate::update(const Scan& scan, const Pose& T_map_sensor, const U
   const Vector3d o = T_map_sensor.translation;
   const auto bundles = condensed(scan, T_map_sensor, grid_, parameters);
   const double s0 = thickness(grid_, parameters);
-  const double displacement = parameters.displacement * alignment_error(leaves, bundles);
-  for (const auto& [key, contradictions] : gathered(leaves, bundles, grid_, o, parameters)) {
+  const double error = alignment_error(leaves, bundles);
+  const double displacement = parameters.displacement * error;
+  for (const auto& [key, contradictions] : gathered(leaves, bundles, grid_, o, error, parameters)) {
     ReferenceLeaf& leaf = leaves.at(key);
     const auto spared = is_spared(key, leaf, bundles, parameters.surface_guard, displacement);
     if (!spared) ambiguous.insert(key);

@@ -79,7 +79,7 @@ std::vector<Mode> default_modes() {
       varied("CoarseSensor", standard, [](P& p) { p.lidar.range_sigma = 0.05; }),
       {"Bare", bare, {}},
       varied("BareCrossing", bare, [](P& p) { p.surface_crossing = true; }),
-      varied("BareEndGuard", bare, [](P& p) { p.end_guard = 1; }),
+      varied("BareEndGuard", bare, [](P& p) { p.end_guard = 100; }),
       varied("BareIncidence", bare, [](P& p) { p.incidence_weight = true; }),
       varied("BareCoplanarHit", bare, [](P& p) { p.surface_guard = SurfaceGuard::kCoplanarHit; }),
       varied("BareReobserved", bare, [](P& p) { p.surface_guard = SurfaceGuard::kReobserved; }),
@@ -105,7 +105,7 @@ std::vector<Mode> paper_modes() {
       varied("PaperCoplanarHit", paper, [](P& p) { p.surface_guard = SurfaceGuard::kCoplanarHit; }),
       varied("PaperSoft", paper, [](P& p) { p.difference = Difference::kSoft; }),
       varied("PaperNoDifference", paper, [](P& p) { p.difference = Difference::kNone; }),
-      varied("PaperEndGuard", paper, [](P& p) { p.end_guard = 1; }),
+      varied("PaperEndGuard", paper, [](P& p) { p.end_guard = 100; }),
       varied("PaperThreeConfirmations", paper, [](P& p) { p.confirmations = 3; }),
   };
 }

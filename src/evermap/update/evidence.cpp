@@ -17,12 +17,14 @@ namespace {
 
 constexpr std::size_t kGrain = 32;  ///< bricks or leaves per task
 
-/// The share of the ray that is known to be free: range noise forbids a verdict just before the hit.
-double free_share(const Ray& ray, const Gaussian& bundle, const UpdateParameters& parameters) {
+/// The share of the ray that is known to be free. Just before the hit, range noise forbids a verdict; and a
+/// surface that is off by `error` [m] stands the farther before the end of a ray the more the ray grazes it.
+double free_share(const Ray& ray, const Gaussian& bundle, double error, const UpdateParameters& parameters) {
   const double length = ray.length();
   const Eigen::Vector3d u = (ray.end - ray.origin) / length;
   const double sigma_along = std::sqrt(u.dot(bundle.covariance * u));
-  return 1 - std::max(parameters.end_guard, 3 * parameters.lidar.range_sigma + 2 * sigma_along) / length;
+  const double noise = 3 * parameters.lidar.range_sigma + 2 * sigma_along;
+  return 1 - std::max(parameters.end_guard * error, noise) / length;
 }
 
 /// Who contradicts the leaves of one brick, sorted by leaf.
@@ -47,13 +49,13 @@ void gather(const Octree& octree, const BundleGrid& bundles, const RayFan& fan, 
 
 /// All contradictions, sorted by leaf. Chunks have a fixed size and are joined in order, whoever worked on
 /// them.
-std::vector<Contradiction> find_contradictions(const Octree& octree, const BundleGrid& bundles,
+std::vector<Contradiction> find_contradictions(const Octree& octree, const BundleGrid& bundles, double error,
                                                const UpdateParameters& parameters) {
   std::vector<RayFan::Target> targets;
   targets.reserve(bundles.bundles().size());
   for (const RayBundle& bundle : bundles.bundles()) {
     const Ray ray{bundles.origin_map, bundle.points.mean};
-    targets.push_back({ray.end, free_share(ray, bundle.points, parameters)});
+    targets.push_back({ray.end, free_share(ray, bundle.points, error, parameters)});
   }
   const RayFan fan(octree.grid(), bundles.origin_map, targets);
   const std::vector<PlacedBrick> bricks = octree.bricks_in(fan.voxels());
@@ -136,7 +138,8 @@ double alignment_error(const Octree& octree, const BundleGrid& bundles) {
 }
 
 Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters) {
-  Evidence evidence{find_contradictions(octree, bundles, parameters), {}};
+  const double error = alignment_error(octree, bundles);
+  Evidence evidence{find_contradictions(octree, bundles, error, parameters), {}};
   const auto& all = evidence.contradictions;
   for (std::uint32_t begin = 0; begin < all.size();) {
     std::uint32_t end = begin + 1;
@@ -144,13 +147,11 @@ Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdatePara
     evidence.leaves.push_back({all[begin].leaf, 0, begin, end});
     begin = end;
   }
-  const double displacement = parameters.surface_guard == SurfaceGuard::kReobserved
-                                  ? parameters.displacement * alignment_error(octree, bundles)
-                                  : 0;
   for_each_index(evidence.leaves.size(), kGrain, [&](std::size_t i) {
     LeafEvidence& leaf = evidence.leaves[i];
     if (bundles.find(leaf.leaf) != nullptr) return;  // occupied wins
-    if (is_spared(octree, leaf.leaf, bundles, parameters.surface_guard, displacement)) return;
+    if (is_spared(octree, leaf.leaf, bundles, parameters.surface_guard, parameters.displacement * error))
+      return;
     leaf.impact = combine(std::span(all).subspan(leaf.begin, leaf.end - leaf.begin), parameters.combination);
   });
   return evidence;

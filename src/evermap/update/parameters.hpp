@@ -41,9 +41,9 @@ struct UpdateParameters {
   bool surface_crossing = true;   ///< a planar leaf is contradicted only by a ray that ends beyond its plane
   bool incidence_weight = false;  ///< weigh a planar leaf's impact by |cos| of the angle of incidence
   double least_impact = 0.1;      ///< smaller impacts are ignored
-  double end_guard = 1.0;         ///< [m] the stretch before a ray's hit in which it contradicts nothing
-  double displacement = 12;       ///< how far a surface may seem displaced (kReobserved), in units of the
-                                  ///< scan's alignment error
+  double end_guard = 100;         ///< how far before its hit a ray contradicts nothing, and
+  double displacement = 12;       ///< how far a surface may seem displaced (kReobserved), both in units of
+                                  ///< the scan's alignment error
 
   double hit = 2.197;         ///< log-odds of one hit, logit(0.9)
   double miss = 1.386;        ///< log-odds taken by one full contradiction, -logit(0.2)
