@@ -53,9 +53,9 @@ void build_without_poses(const Options& options, const UpdateParameters& paramet
   localizer.lidar = parameters.lidar;
   Octree octree(VoxelGrid{.edge = options.leaf});
   const LocalizedRun run = localize_scans(scans, octree, Localizer(Pose{}, localizer),
-                                          [&](const Scan& scan, const Pose& T_map_sensor) {
+                                          {.write = [&](const Scan& scan, const Pose& T_map_sensor) {
                                             return add_scan(octree, scan, T_map_sensor, parameters);
-                                          });
+                                          }});
   if (!options.poses_out.empty()) write_tum_poses(options.poses_out, run.trajectory);
   finish(options, octree, run);
 }

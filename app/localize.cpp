@@ -12,8 +12,9 @@
 #include "report.hpp"
 #include "verbs.hpp"
 #include <evermap/io/map_file.hpp>
+#include <evermap/io/map_undo.hpp>
 #include <evermap/io/quaternion.hpp>
-#include <evermap/update/viewpoint.hpp>
+#include <evermap/update/guarded_map.hpp>
 
 namespace evermap {
 namespace {
@@ -23,6 +24,8 @@ struct Options {
   LocalizedScans scans;
   std::vector<double> initial_pose;  ///< x y z [m] qx qy qz qw; empty: the map's origin
   bool maintain = false;
+  GuardParameters guard;
+  bool undo_log = false;
   std::filesystem::path poses;
   std::filesystem::path map_out;
   ParameterOptions parameters;
@@ -42,6 +45,7 @@ void check(const Options& options) {
   if (options.maintain == options.map_out.empty()) {
     throw std::runtime_error("--maintain and --map-out need each other");
   }
+  if (options.undo_log && !options.maintain) throw std::runtime_error("--undo-log needs --maintain");
   if (options.maintain) check_writable(options.map_out);
 }
 
@@ -50,16 +54,18 @@ void run(const Options& options) {
   check(options);
   LocalizerParameters localizer;
   localizer.lidar = parameters.lidar;
-  Octree octree = load_map(options.map);
-  if (octree.empty()) throw std::runtime_error(options.map.string() + " has no leaves to localize in");
-  Viewpoint viewpoint(parameters.standstill);
-  const TakeScan maintain = [&](const Scan& scan, const Pose& T_map_sensor) {
-    return update(octree, scan, T_map_sensor, parameters, viewpoint.novelty(T_map_sensor));
-  };
-  const LocalizedRun run = localize_scans(options.scans, octree, {initial_pose_of(options), localizer},
-                                          options.maintain ? maintain : TakeScan{});
+  GuardedMap map(load_map(options.map), parameters, options.guard);
+  if (map.octree().empty()) throw std::runtime_error(options.map.string() + " has no leaves to localize in");
+  Writing writing;
+  if (options.maintain) {
+    writing = {[&](const Scan& scan, const Pose& T_map_sensor) { return map.update(scan, T_map_sensor); },
+               [&] { return map.take_back(); }};
+  }
+  const LocalizedRun run =
+      localize_scans(options.scans, map.octree(), {initial_pose_of(options), localizer}, writing);
   write_tum_poses(options.poses, run.trajectory);
-  if (options.maintain) save_map(options.map_out, octree);
+  if (options.undo_log) keep_for_undo(options.map_out);
+  if (options.maintain) save_map(options.map_out, map.octree());
   if (options.as_json) {
     Json json = {{"poses", options.poses.string()}};
     if (options.maintain) json["map"] = options.map_out.string();
@@ -91,6 +97,18 @@ void add_localize(CLI::App& app) {
   verb->add_option("--map-out", options->map_out,
                    "Map to write with --maintain; may be the one to start from")
       ->type_name("OUT.evm");
+  verb->add_option("--probation", options->guard.probation,
+                   "Scans whose changes are taken back when the robot turns out to be lost")
+      ->check(CLI::Range(0, 1000))
+      ->type_name("SCANS")
+      ->capture_default_str();
+  verb->add_option("--max-contradicting", options->guard.max_contradicting,
+                   "Share of a scan's rays, beyond what was usual; of which more contradict the map, that "
+                   "scan is not written")
+      ->check(CLI::Range(0.0, 1.0))
+      ->type_name("SHARE")
+      ->capture_default_str();
+  add_undo_log_option(*verb, options->undo_log);
   verb->add_option("--threads", options->scans.threads, "Threads to use")
       ->check(CLI::Range(1, 1024))
       ->type_name("N")

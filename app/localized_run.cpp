@@ -2,33 +2,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "localized_run.hpp"
 
-#include <chrono>
-#include <csignal>
-#include <ctime>
+#include <algorithm>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/info.h>
-#include <oneapi/tbb/task_arena.h>
 #include <spdlog/spdlog.h>
 
-#include "progress_bar.hpp"
 #include <evermap/io/io_error.hpp>
 #include <evermap/io/scan_source.hpp>
 #include <evermap/scan/deskew.hpp>
 
 namespace evermap {
 namespace {
-
-// A signal handler can reach nothing but a global.
-volatile std::sig_atomic_t g_stop_requested = 0;
-void request_stop(int) { g_stop_requested = 1; }
-
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-double wall_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// When each scan ended, and where the odometry saw it.
 class Schedule {
@@ -55,27 +41,66 @@ class Schedule {
   std::vector<StampedPose> poses_;
 };
 
-ScanSummary take(const Scan& raw, std::size_t index, const Schedule& schedule, double duration,
-                 const Octree& map, Localizer& localizer, const TakeScan& write, LocalizedRun& result) {
-  const double time = schedule.time(index);
-  const std::optional<Pose> T_odom_sensor = schedule.T_odom_sensor(index);
-  const Scan scan = deskew(raw, localizer.motion(time, T_odom_sensor, duration), duration);
-  if (map.empty() && write) {  // the first scan makes the map and lies where it is put
-    const Pose first = localizer.predict(time, T_odom_sensor);
-    result.trajectory.push_back({time, first});
-    ++result.states[static_cast<std::size_t>(TrackingState::kStarting)];
-    return write(scan, first);
+/// Follows the sensor through the map and keeps account of it.
+class Follower {
+ public:
+  Follower(const LocalizedScans& options, std::size_t scans, const Octree& map, Localizer localizer,
+           const Writing& writing)
+      : schedule_(options, scans),
+        duration_(1 / options.rate),
+        map_(map),
+        localizer_(std::move(localizer)),
+        writing_(writing) {}
+
+  ScanSummary follow(const Scan& raw) {
+    const std::size_t index = result_.trajectory.size();
+    const double time = schedule_.time(index);
+    const std::optional<Pose> T_odom_sensor = schedule_.T_odom_sensor(index);
+    const Scan scan = deskew(raw, localizer_.motion(time, T_odom_sensor, duration_), duration_);
+    ScanSummary summary{.points = scan.p_sensor.size()};
+    const WriteScan write = [&](const Pose& T_map_sensor) -> std::string {
+      const auto written = writing_.write(scan, T_map_sensor);
+      if (!written) return "contradicts too much of the map";
+      summary = *written;
+      return {};
+    };
+    if (map_.empty() && writing_.write) {  // the first scan makes the map and lies where it is put
+      const Pose first = localizer_.predict(time, T_odom_sensor);
+      write(first);
+      record(time, {first, TrackingState::kStarting, {}, {}});
+    } else {
+      const auto was = localizer_.state();
+      const Localization at =
+          localizer_.localize(map_, scan, time, T_odom_sensor, writing_.write ? write : WriteScan{});
+      record(time, at);
+      if (at.state == TrackingState::kLost && was != at.state) result_.taken_back += writing_.take_back();
+    }
+    return summary;
   }
-  const Localization at = localizer.localize(map, scan, time, T_odom_sensor);
-  result.trajectory.push_back({time, at.T_map_sensor});
-  ++result.states[static_cast<std::size_t>(at.state)];
-  if (!at.objection.empty()) ++result.objections[at.objection];
-  spdlog::debug("scan {}: {} {}, {:.0f} % inliers, residual {:.2f}, observability {:.2f}, {} iterations",
-                index, to_string(at.state), at.objection, 100 * at.registration.inlier_share,
-                at.registration.residual, at.registration.weakest.share, at.registration.iterations);
-  const bool may_write = localizer.may_update() && write;
-  return may_write ? write(scan, at.T_map_sensor) : ScanSummary{.points = scan.p_sensor.size()};
-}
+
+  LocalizedRun finish(Run run) {
+    result_.run = std::move(run);
+    return std::move(result_);
+  }
+
+ private:
+  void record(double time, const Localization& at) {
+    spdlog::debug("scan {}: {} {}, {:.0f} % inliers, residual {:.2f}, observability {:.2f}, {} iterations",
+                  result_.trajectory.size(), to_string(at.state), at.objection,
+                  100 * at.registration.inlier_share, at.registration.residual, at.registration.weakest.share,
+                  at.registration.iterations);
+    result_.trajectory.push_back({time, at.T_map_sensor});
+    ++result_.states[static_cast<std::size_t>(at.state)];
+    if (!at.objection.empty()) ++result_.objections[at.objection];
+  }
+
+  Schedule schedule_;
+  double duration_;  ///< [s] of a scan
+  const Octree& map_;
+  Localizer localizer_;
+  const Writing& writing_;
+  LocalizedRun result_;
+};
 
 }  // namespace
 
@@ -89,31 +114,17 @@ void add_odometry_options(CLI::App& verb, LocalizedScans& options) {
 }
 
 LocalizedRun localize_scans(const LocalizedScans& options, const Octree& map, Localizer localizer,
-                            const TakeScan& write) {
+                            const Writing& writing) {
   ScanSource scans(options.scans);
-  const Schedule schedule(options, scans.size());
-  std::signal(SIGINT, request_stop);
-  std::signal(SIGTERM, request_stop);
-  const int threads = options.threads > 0 ? options.threads : oneapi::tbb::info::default_concurrency();
-  // Without the first, TBB would never start more workers than there are cores.
-  const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
-                                          static_cast<std::size_t>(threads));
-  oneapi::tbb::task_arena arena(threads);
-  LocalizedRun result;
-  result.run.scans_total = scans.size();
-  const ProgressBar bar(scans.size());
-  while (!g_stop_requested) {
-    const std::optional<Scan> scan = scans.next();
-    if (!scan) break;
-    const double wall = wall_seconds();
-    const double cpu = cpu_seconds();
-    const ScanSummary summary = arena.execute([&] {
-      return take(*scan, result.run.scans_done, schedule, 1 / options.rate, map, localizer, write, result);
-    });
-    result.run.wall.push_back(wall_seconds() - wall);
-    result.run.cpu.push_back(cpu_seconds() - cpu);
-    result.run.points += PointCounts(*scan, summary);
-    bar.show(++result.run.scans_done);
+  Follower follower(options, scans.size(), map, std::move(localizer), writing);
+  LocalizedRun result = follower.finish(run_over(scans.size(), options.threads, [&](const TakeScan& take) {
+    const Scan scan = scans.next().value();
+    take(scan, [&] { return follower.follow(scan); });
+  }));
+  if (!options.odometry.empty() && result.count(TrackingState::kTracking) == 0) {
+    throw IoError(
+        options.odometry,
+        "no scan could be tracked with this odometry; is it of the LiDAR itself, its x axis ahead?");
   }
   return result;
 }
@@ -123,7 +134,7 @@ Json to_json(const LocalizedRun& run) {
   for (std::size_t i = 0; i < run.states.size(); ++i) {
     states[std::string(to_string(static_cast<TrackingState>(i)))] = run.states[i];
   }
-  Json json = {{"states", states}, {"objections", run.objections}};
+  Json json = {{"states", states}, {"objections", run.objections}, {"taken_back", run.taken_back}};
   json.update(to_json(run.run));
   return json;
 }
@@ -138,6 +149,8 @@ std::string to_text(const LocalizedRun& run) {
   for (const auto& [reason, scans] : run.objections) {
     text += fmt::format("         {} did not pass: {}\n", scans, reason);
   }
+  if (run.taken_back > 0)
+    text += fmt::format("         the changes of {} scans were taken back\n", run.taken_back);
   return text + to_text(run.run);
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,16 +37,24 @@ struct LocalizedRun {
   std::vector<StampedPose> trajectory;            ///< T_map_sensor of every scan
   std::array<std::size_t, 4> states{};            ///< scans by TrackingState
   std::map<std::string, std::size_t> objections;  ///< scans that did not pass the gate, by reason
+  std::size_t taken_back = 0;                     ///< scans whose changes were undone
 
   std::size_t count(TrackingState state) const { return states[static_cast<std::size_t>(state)]; }
 };
 
-/// Localizes scan by scan in the map and hands those that may be written, motion undone, to `write` (unless
-/// that is empty), in an arena of that many threads, until all are done or SIGINT or SIGTERM came. A map
-/// without leaves begins with the first scan. Throws IoError when scans or odometry cannot be read or do not
-/// belong together.
+/// What becomes of scans, their motion undone, whose poses are believed.
+struct Writing {
+  /// Returns none when it refuses to write. Empty: nothing is written.
+  std::function<std::optional<ScanSummary>(const Scan& scan, const Pose& T_map_sensor)> write{};
+  /// Undoes the last changes when the robot turns out to be lost, and says of how many scans.
+  std::function<std::size_t()> take_back = [] { return std::size_t{0}; };
+};
+
+/// Localizes scan by scan in the map, which `writing` may change, until all are done or SIGINT or SIGTERM
+/// came. A map without leaves begins with the first scan. Throws IoError when scans or odometry cannot be
+/// read or do not belong together.
 LocalizedRun localize_scans(const LocalizedScans& options, const Octree& map, Localizer localizer,
-                            const TakeScan& write);
+                            const Writing& writing);
 
 Json to_json(const LocalizedRun& run);
 std::string to_text(const LocalizedRun& run);

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <csignal>
 #include <ctime>
-#include <optional>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
@@ -26,24 +25,6 @@ void request_stop(int) { g_stop_requested = 1; }
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-void take_all(PosedScans& scans, const TakeScan& take, Run& run) {
-  const ProgressBar bar(scans.size());
-  while (const std::optional<PosedScan> posed = scans.next()) {
-    const double wall = wall_seconds();
-    const double cpu = cpu_seconds();
-    const ScanSummary summary = take(posed->scan, posed->T_map_sensor);
-    run.wall.push_back(wall_seconds() - wall);
-    run.cpu.push_back(cpu_seconds() - cpu);
-    const PointCounts points(posed->scan, summary);
-    check_any_used(points, posed->file);
-    run.points += points;
-    bar.show(++run.scans_done);
-    spdlog::debug("{}: {} points used, {} bundles, {:.1f} ms", posed->file.string(), points.used,
-                  summary.bundles, 1e3 * run.wall.back());
-    if (g_stop_requested) return;
-  }
 }
 
 }  // namespace
@@ -76,7 +57,7 @@ void check_any_used(const PointCounts& points, const std::filesystem::path& file
                   points.out_of_grid));
 }
 
-Run run_over(PosedScans& scans, int threads, const TakeScan& take) {
+Run run_over(std::size_t scans, int threads, const std::function<void(const TakeScan& take)>& next) {
   std::signal(SIGINT, request_stop);
   std::signal(SIGTERM, request_stop);
   const int count = threads > 0 ? threads : oneapi::tbb::info::default_concurrency();
@@ -85,9 +66,33 @@ Run run_over(PosedScans& scans, int threads, const TakeScan& take) {
                                           static_cast<std::size_t>(count));
   oneapi::tbb::task_arena arena(count);
   Run run;
-  run.scans_total = scans.size();
-  arena.execute([&] { take_all(scans, take, run); });
+  run.scans_total = scans;
+  const ProgressBar bar(scans);
+  const TakeScan take = [&run](const Scan& scan, const Work& work) {
+    const double wall = wall_seconds();
+    const double cpu = cpu_seconds();
+    const PointCounts points(scan, work());
+    run.wall.push_back(wall_seconds() - wall);
+    run.cpu.push_back(cpu_seconds() - cpu);
+    run.points += points;
+    return points;
+  };
+  arena.execute([&] {
+    while (run.scans_done < scans && !g_stop_requested) {
+      next(take);
+      bar.show(++run.scans_done);
+    }
+  });
   return run;
+}
+
+Run run_over(PosedScans& scans, int threads, const UpdateMap& update) {
+  return run_over(scans.size(), threads, [&](const TakeScan& take) {
+    const PosedScan posed = scans.next().value();
+    const PointCounts points = take(posed.scan, [&] { return update(posed.scan, posed.T_map_sensor); });
+    check_any_used(points, posed.file);
+    spdlog::debug("{}: {} points used", posed.file.string(), points.used);
+  });
 }
 
 }  // namespace evermap

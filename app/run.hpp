@@ -41,10 +41,15 @@ struct Run {
   bool was_interrupted() const { return scans_done < scans_total; }
 };
 
-/// Hands scan by scan to `take`, in an arena of that many threads (0: one per core), until all are done or
-/// SIGINT or SIGTERM came; the scan in hand is always finished. Throws IoError when a scan cannot be read or
-/// none of its points is used.
-using TakeScan = std::function<ScanSummary(const Scan&, const Pose& T_map_sensor)>;
-Run run_over(PosedScans& scans, int threads, const TakeScan& take);
+/// Works through a sequence of scans in an arena of that many threads (0: one per core), with a progress bar:
+/// calls `next` until it has taken the last scan, or SIGINT or SIGTERM came; the scan in hand is always
+/// finished. `next` reads a scan and hands it to its argument, with the work that is to be timed.
+using Work = std::function<ScanSummary()>;
+using TakeScan = std::function<PointCounts(const Scan& scan, const Work& work)>;
+Run run_over(std::size_t scans, int threads, const std::function<void(const TakeScan& take)>& next);
+
+/// The same for scans with poses. Throws IoError when a scan cannot be read or none of its points is used.
+using UpdateMap = std::function<ScanSummary(const Scan& scan, const Pose& T_map_sensor)>;
+Run run_over(PosedScans& scans, int threads, const UpdateMap& update);
 
 }  // namespace evermap

@@ -15,7 +15,7 @@ namespace {
 std::vector<Eigen::Vector2d> lattice(const Eigen::Vector2d& half) {
   const Eigen::Vector2i steps = (2 * half / GroundMap::kCell).array().floor().cast<int>();
   std::vector<Eigen::Vector2d> offsets;
-  offsets.reserve(static_cast<std::size_t>((steps.x() + 1) * (steps.y() + 1)));
+  offsets.reserve(static_cast<std::size_t>(steps.x() + 1) * static_cast<std::size_t>(steps.y() + 1));
   for (int i = 0; i <= steps.x(); ++i) {
     for (int j = 0; j <= steps.y(); ++j) offsets.push_back(GroundMap::kCell * Eigen::Vector2d(i, j) - half);
   }

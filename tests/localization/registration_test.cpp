@@ -21,11 +21,9 @@ constexpr double kDegree = 0.017453292519943295;
 
 /// The yard as it was surveyed, and scans of it as it is now.
 struct YardNow {
-  Yard yard = make_yard();
-  Octree map = test::survey_map(yard.before, 0.4);
-  Scan scan(std::size_t i) const {
-    return Simulator(yard.now).scan(yard.T_map_sensor[i], test::small_lidar(), i);
-  }
+  Octree map = test::survey_map(test::yard().survey_scene(), 0.4);
+  Simulator now{test::yard().scene(0)};
+  Scan scan(std::size_t i) const { return now.scan(test::yard().T_map_sensor(i), test::small_lidar(), i); }
 };
 const YardNow& yard_now() {
   static const YardNow yard;
@@ -47,7 +45,7 @@ Pose shaken(const Pose& pose, double translation, double rotation, test::Random&
 // Plain and slow: all leaves of the map are looked at, and everything is written out by the formulas.
 TEST(Correspondence, IsTheNearestOfSevenVoxels) {
   const Octree& map = yard_now().map;
-  const Pose& T = yard_now().yard.T_map_sensor[3];
+  const Pose T = test::yard().T_map_sensor(3);
   test::Random random(5);
   const auto bundles = bundles_in_sensor_frame(yard_now().scan(3), 0.4, {}, 40);
   std::size_t matched = 0;
@@ -82,7 +80,7 @@ TEST(Correspondence, IsTheNearestOfSevenVoxels) {
 TEST(Registration, FindsThePoseFromCloseBy) {
   test::Random random(6);
   for (std::size_t i = 0; i < 10; ++i) {
-    const Pose& truth = yard_now().yard.T_map_sensor[6 * i];
+    const Pose truth = test::yard().T_map_sensor(6 * i);
     const Registration found =
         register_fine(yard_now().map, yard_now().scan(6 * i), shaken(truth, 0.2, kDegree, random));
     EXPECT_TRUE(found.converged()) << to_string(found);
@@ -97,7 +95,7 @@ TEST(Registration, FindsThePoseFromAMetreAndTenDegrees) {
   test::Random random(7);
   int missed = 0;
   for (std::size_t i = 0; i < 50; ++i) {
-    const Pose& truth = yard_now().yard.T_map_sensor[i];
+    const Pose truth = test::yard().T_map_sensor(i);
     const Registration found = register_coarse_to_fine(yard_now().map, yard_now().scan(i),
                                                        shaken(truth, 1, 10 * kDegree, random), {}, {});
     const Twist off = difference(truth, found.T_map_sensor);
@@ -110,7 +108,7 @@ TEST(Registration, FindsThePoseFromAMetreAndTenDegrees) {
 TEST(Registration, AnyNumberOfThreadsGivesTheSameBytes) {
   test::Random random(8);
   const Scan scan = yard_now().scan(0);
-  const Pose guess = shaken(yard_now().yard.T_map_sensor[0], 0.5, 5 * kDegree, random);
+  const Pose guess = shaken(test::yard().T_map_sensor(0), 0.5, 5 * kDegree, random);
   const auto with_threads = [&](int threads) {
     const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
                                             static_cast<std::size_t>(threads));
@@ -158,7 +156,7 @@ INSTANTIATE_TEST_SUITE_P(Edges, Degenerate, ::testing::Values(0.2, 0.4, 0.8));
 
 TEST(Registration, OfNextToNothingDoesNotConverge) {
   const Scan scan = yard_now().scan(0);
-  const Pose& truth = yard_now().yard.T_map_sensor[0];
+  const Pose truth = test::yard().T_map_sensor(0);
   const auto outcome = [&](const Octree& map, const Scan& points, const Pose& guess) {
     const Registration coarse = register_coarse_to_fine(map, points, guess, {}, {});
     EXPECT_FALSE(coarse.converged());

@@ -5,11 +5,17 @@
 #include <vector>
 
 #include <evermap/map/octree.hpp>
+#include <evermap/simulation/scenario_drive.hpp>
 #include <evermap/simulation/simulator.hpp>
-#include <evermap/simulation/yard.hpp>
 #include <evermap/update/map_updater.hpp>
 
 namespace evermap::test {
+
+/// The demo's world and drive.
+inline const ScenarioDrive& yard() {
+  static const ScenarioDrive drive(shipped_scenario("yard"));
+  return drive;
+}
 
 /// A sensor with fewer beams, for speed.
 inline LidarModel small_lidar() {
@@ -42,8 +48,8 @@ inline Scene corridor(double yaw = 0) {
 inline Scene plane() {
   Scene scene;
   Pose T_map_box;
-  T_map_box.translation.z() = -1.8;
-  add_box(scene, 1, T_map_box, {100, 100, 0.2});
+  T_map_box.translation.z() = -2.7;  // its bottom is not to share leaves with its top
+  add_box(scene, 1, T_map_box, {100, 100, 2});
   return scene;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <vector>
 
 #include <evermap/localization/gate.hpp>
 #include <evermap/localization/perturbation.hpp>
@@ -11,14 +10,7 @@
 namespace evermap {
 namespace {
 
-constexpr std::size_t kLeastMemory = 5;  ///< scans before a median means anything
-
-double median(const std::deque<double>& values) {
-  std::vector<double> sorted(values.begin(), values.end());
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle;
-}
+constexpr std::size_t kLeastMemory = 5;  ///< scans before a deviation means anything
 
 /// Three standard deviations, within [least, growth * least].
 double three_sigma(const std::deque<double>& values, double least, double growth) {
@@ -37,14 +29,13 @@ void push(std::deque<double>& values, double value, std::size_t memory) {
 std::string Gate::objection(const Registration& registration, const Pose& T_map_sensor_predicted,
                             double slack) const {
   if (!registration.converged()) return to_string(registration);
-  if (residuals_.size() >= kLeastMemory) {
-    if (registration.residual > parameters_.max_residual * median(residuals_))
-      return "fits worse than before";
-    if (registration.inlier_share < parameters_.least_inlier_share * median(inlier_shares_)) {
+  const GateParameters& p = parameters_;
+  if (residuals_.is_known()) {
+    if (registration.residual > p.max_residual * residuals_.value()) return "fits worse than before";
+    if (registration.inlier_share < p.least_inlier_share * inlier_shares_.value()) {
       return "sees less of the map than before";
     }
   }
-  const GateParameters& p = parameters_;
   const Twist off = difference(T_map_sensor_predicted, registration.T_map_sensor);
   const double far = three_sigma(translations_, p.max_translation, p.max_growth);
   const double turned = three_sigma(rotations_, p.max_rotation, p.max_growth);
@@ -54,8 +45,8 @@ std::string Gate::objection(const Registration& registration, const Pose& T_map_
 }
 
 void Gate::remember(const Registration& passed, const Pose& T_map_sensor_predicted, bool is_predicted) {
-  push(residuals_, passed.residual, parameters_.memory);
-  push(inlier_shares_, passed.inlier_share, parameters_.memory);
+  residuals_.push(passed.residual);
+  inlier_shares_.push(passed.inlier_share);
   if (!is_predicted) return;
   const Twist off = difference(T_map_sensor_predicted, passed.T_map_sensor);
   push(translations_, off.head<3>().norm(), parameters_.memory);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string>
 
+#include <evermap/geometry/running_median.hpp>
 #include <evermap/localization/registration.hpp>
 
 namespace evermap {
@@ -25,7 +26,8 @@ struct GateParameters {
 /// Judges registrations, remembering those that passed.
 class Gate {
  public:
-  explicit Gate(const GateParameters& parameters) : parameters_(parameters) {}
+  explicit Gate(const GateParameters& parameters)
+      : parameters_(parameters), residuals_(parameters.memory), inlier_shares_(parameters.memory) {}
 
   /// Why this pose is not to be believed; empty when it is. `slack` widens the distance to the prediction,
   /// for predictions over more than one scan.
@@ -38,8 +40,8 @@ class Gate {
   GateParameters parameters_;
   std::deque<double> translations_;  ///< [m] from prediction to pose
   std::deque<double> rotations_;     ///< [rad]
-  std::deque<double> residuals_;
-  std::deque<double> inlier_shares_;
+  RunningMedian residuals_;
+  RunningMedian inlier_shares_;
 };
 
 }  // namespace evermap

@@ -36,27 +36,40 @@ Pose Localizer::motion(double time, const std::optional<Pose>& T_odom_sensor, do
   return exp(since * duration / (time - last_->time));
 }
 
+bool Localizer::odometry_jumps(double time, const std::optional<Pose>& T_odom_sensor) const {
+  if (!velocity_ || !last_->T_odom_sensor || !T_odom_sensor) return false;
+  const Pose moved = last_->T_odom_sensor->inverse() * *T_odom_sensor;
+  const Pose steady = exp(*velocity_ * (time - last_->time));
+  return (moved.translation - steady.translation).norm() > parameters_.max_jump * (1 + failed_);
+}
+
 Localization Localizer::localize(const Octree& map, const Scan& scan, double time,
-                                 const std::optional<Pose>& T_odom_sensor) {
-  const Pose predicted = predict(time, T_odom_sensor);
+                                 const std::optional<Pose>& T_odom_sensor, const WriteScan& write) {
   const bool is_later = !last_time_ || time > *last_time_;
   if (!is_later) {
     fail();
-    return {predicted, state_, "is not later than the scan before", {}};
+    return {predict(time, T_odom_sensor), state_, "is not later than the scan before", {}};
   }
   last_time_ = time;
+  const bool jumps = odometry_jumps(time, T_odom_sensor);
+  const Pose predicted = predict(time, jumps ? std::nullopt : T_odom_sensor);
 
   const bool is_search = state_ == TrackingState::kLost;
   const bool motion_is_known = last_ && !is_search && (velocity_ || T_odom_sensor);
   const double slack = motion_is_known ? 1 + failed_ : parameters_.starting_slack;
   const Registration found = register_scan(map, scan, predicted);
   const Pose& expected = is_search ? found.T_map_sensor : predicted;  // a search has its own reach
-  const std::string objection = gate_.objection(found, expected, slack);
+  std::string objection = gate_.objection(found, expected, slack);
+  if (objection.empty() && motion_is_known && !jumps && write) objection = write(found.T_map_sensor);
   if (objection.empty()) {
     gate_.remember(found, predicted, motion_is_known);
     pass({found.T_map_sensor, time, T_odom_sensor}, motion_is_known);
   } else {
     fail();
+  }
+  if (objection.empty() && jumps) {  // its later steps can be followed again, from here
+    state_ = TrackingState::kDegraded;
+    objection = "the odometry jumps";
   }
   return {found.converged() ? found.T_map_sensor : predicted, state_, objection, found};
 }

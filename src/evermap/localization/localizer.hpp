@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,6 +28,8 @@ struct LocalizerParameters {
   GateParameters gate;
   RelocationParameters relocation;
   double starting_slack = 5;  ///< times the gate's distances, while the motion is not known
+  double max_jump = 0.6;      ///< [m] by which odometry may leave constant velocity between two scans: no
+                              ///< vehicle can, so that its wheels have slipped
   int lost_after = 5;         ///< scans in a row that did not pass the gate
 };
 
@@ -38,10 +41,14 @@ struct Localization {
   Registration registration;
 };
 
+/// Writes the scan, at this pose, into the map; says why it did not, and nothing when it did.
+using WriteScan = std::function<std::string(const Pose& T_map_sensor)>;
+
 /// Follows a sensor through a map, scan by scan: predict, register, gate.
 ///
 /// Predictions start from the last pose that passed the gate, never from one that did not, so that a wrong
-/// pose cannot confirm itself. Not thread safe.
+/// pose cannot confirm itself. Where everything looks the same, the map cannot tell that odometry slipped
+/// from one place to the next; so odometry that jumps is not followed. Not thread safe.
 class Localizer {
  public:
   Localizer(const Pose& T_map_sensor_initial, const LocalizerParameters& parameters);
@@ -54,12 +61,11 @@ class Localizer {
   Pose motion(double time, const std::optional<Pose>& T_odom_sensor, double duration) const;
 
   /// Takes a scan, its points all as of `time` [s] (see deskew). With odometry, it is to be given for each.
+  /// `write`, when given, is called with the poses that are believed, and with no others.
   Localization localize(const Octree& map, const Scan& scan, double time,
-                        const std::optional<Pose>& T_odom_sensor);
+                        const std::optional<Pose>& T_odom_sensor, const WriteScan& write = {});
 
   TrackingState state() const { return state_; }
-  /// Whether the scan just taken may be written into the map.
-  bool may_update() const { return state_ == TrackingState::kTracking; }
 
  private:
   /// A pose that passed the gate, and when.
@@ -69,6 +75,7 @@ class Localizer {
     std::optional<Pose> T_odom_sensor;
   };
 
+  bool odometry_jumps(double time, const std::optional<Pose>& T_odom_sensor) const;
   Registration register_scan(const Octree& map, const Scan& scan, const Pose& predicted) const;
   void pass(const Fix& fix, bool motion_is_known);
   void fail();

@@ -137,6 +137,18 @@ double alignment_error(const Octree& octree, const BundleGrid& bundles) {
   return kMedianToSigma * *middle;
 }
 
+double contradicting_share(const Evidence& evidence, const BundleGrid& bundles) {
+  std::vector<bool> contradicts(bundles.bundles().size(), false);
+  for (const LeafEvidence& against : evidence.leaves) {
+    if (against.impact == 0) continue;
+    for (std::uint32_t i = against.begin; i < against.end; ++i) {
+      contradicts[evidence.contradictions[i].bundle] = true;
+    }
+  }
+  const auto count = std::count(contradicts.begin(), contradicts.end(), true);
+  return static_cast<double>(count) / std::max(1.0, static_cast<double>(contradicts.size()));
+}
+
 Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters) {
   const double error = alignment_error(octree, bundles);
   Evidence evidence{find_contradictions(octree, bundles, error, parameters), {}};

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include <evermap/geometry/for_each_index.hpp>
-#include <evermap/update/evidence.hpp>
 #include <evermap/update/impact.hpp>
 #include <evermap/update/leaf_update.hpp>
 #include <evermap/update/map_updater.hpp>
@@ -14,11 +13,6 @@ namespace evermap {
 namespace {
 
 constexpr std::size_t kGrain = 256;  ///< leaves per task
-
-ScanSummary summarize(const Scan& scan, const BundleGrid& bundles) {
-  return {scan.p_sensor.size(), bundles.bundles().size(), bundles.dropped_near, bundles.dropped_far,
-          bundles.dropped_out_of_grid};
-}
 
 /// Takes from the leaf's geometry what the contradicting rays saw to be free; occupancy decides on its life.
 void trim(Leaf& leaf, const Eigen::Vector3d& center_map, double thickness,
@@ -80,14 +74,12 @@ void confirm_leaves(Octree& octree, const BundleGrid& bundles, const UpdateParam
   }
 }
 
-void remember(Probation& probation, const Octree& octree, const BundleGrid& bundles,
-              const Evidence& evidence) {
-  probation.begin_scan();
-  for (const LeafEvidence& against : evidence.leaves) probation.remember(octree, against.leaf);
-  for (const RayBundle& bundle : bundles.bundles()) probation.remember(octree, bundle.key);
-}
-
 }  // namespace
+
+ScanSummary summarize(const Scan& scan, const BundleGrid& bundles) {
+  return {scan.p_sensor.size(), bundles.bundles().size(), bundles.dropped_near, bundles.dropped_far,
+          bundles.dropped_out_of_grid};
+}
 
 ScanSummary add_scan(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
                      const UpdateParameters& parameters) {
@@ -108,13 +100,16 @@ ScanSummary add_cloud(Octree& octree, const Scan& cloud, const Pose& T_map_cloud
 }
 
 ScanSummary update(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
-                   const UpdateParameters& parameters, double novelty, Probation* probation) {
+                   const UpdateParameters& parameters, double novelty) {
   const BundleGrid bundles = condense(scan, T_map_sensor, octree.grid(), parameters.lidar);
-  const Evidence evidence = trace(octree, bundles, parameters);
-  if (probation != nullptr) remember(*probation, octree, bundles, evidence);
+  apply(octree, bundles, trace(octree, bundles, parameters), parameters, novelty);
+  return summarize(scan, bundles);
+}
+
+void apply(Octree& octree, const BundleGrid& bundles, const Evidence& evidence,
+           const UpdateParameters& parameters, double novelty) {
   contradict_leaves(octree, bundles, evidence, parameters);
   confirm_leaves(octree, bundles, parameters, novelty);
-  return summarize(scan, bundles);
 }
 
 }  // namespace evermap

@@ -8,8 +8,8 @@
 #include <evermap/map/octree.hpp>
 #include <evermap/scan/ray_bundle.hpp>
 #include <evermap/scan/scan.hpp>
+#include <evermap/update/evidence.hpp>
 #include <evermap/update/parameters.hpp>
-#include <evermap/update/probation.hpp>
 
 namespace evermap {
 
@@ -31,12 +31,19 @@ ScanSummary add_scan(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
 ScanSummary add_cloud(Octree& octree, const Scan& cloud, const Pose& T_map_cloud,
                       const UpdateParameters& parameters);
 
-/// Brings the map up to date with one aligned scan: condense, trace, contradict, confirm.
+/// Brings the map up to date with one aligned scan: condense, trace, apply. `novelty` in (0, 1] weighs the
+/// scan's geometry in leaves that exist (see Viewpoint).
 ///
-/// `novelty` in (0, 1] weighs the scan's geometry in leaves that exist (see Viewpoint). `probation`, when
-/// given, takes the images of all leaves that the scan may change. Needs exclusive access to the map. Runs in
-/// parallel in the caller's TBB arena; the map that results is byte-identical for any number of threads.
+/// Needs exclusive access to the map. Runs in parallel in the caller's TBB arena; the map that results is
+/// byte-identical for any number of threads.
 ScanSummary update(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
-                   const UpdateParameters& parameters, double novelty = 1, Probation* probation = nullptr);
+                   const UpdateParameters& parameters, double novelty = 1);
+
+/// The last step of an update: contradict and confirm. Every leaf that it changes is among the evidence or is
+/// hit by a bundle. REQUIRES: `evidence` is what `bundles` say against this map.
+void apply(Octree& octree, const BundleGrid& bundles, const Evidence& evidence,
+           const UpdateParameters& parameters, double novelty);
+
+ScanSummary summarize(const Scan& scan, const BundleGrid& bundles);
 
 }  // namespace evermap
