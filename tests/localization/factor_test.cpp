@@ -33,7 +33,7 @@ TEST(Factor, GradientIsTheDerivativeOfHalfTheSum) {
     const Pose T_map_sensor{random.rotation(), random.in_cube(10)};
     const Eigen::Vector3d p_sensor = random.in_cube(20);
     const Eigen::Vector3d leaf = T_map_sensor * p_sensor + random.in_cube(0.3);
-    const Correspondence match{leaf - T_map_sensor * p_sensor, random.covariance(1, 30), 0, 1, 1};
+    const Correspondence match{leaf - T_map_sensor * p_sensor, random.covariance(1, 30), 1, 1};
     const auto half_sum = [&](const Twist& step) {
       const Eigen::Vector3d e = leaf - perturb(T_map_sensor, step) * p_sensor;
       return 0.5 * 1.7 * e.dot(match.information * e);

@@ -48,8 +48,8 @@ TEST_F(GateTest, ObjectsToAPoseFarFromThePrediction) {
 TEST_F(GateTest, ObjectsToAWorseFitThanBefore) {
   EXPECT_TRUE(passes(fitting(0, 2.9)));
   EXPECT_FALSE(passes(fitting(0, 3.1)));
-  EXPECT_TRUE(passes(fitting(0, 1, 0.55)));
-  EXPECT_FALSE(passes(fitting(0, 1, 0.53)));
+  EXPECT_TRUE(passes(fitting(0, 1, 0.69)));
+  EXPECT_FALSE(passes(fitting(0, 1, 0.66)));
 }
 
 TEST(Gate, WidensForARobotThatMovesRoughlyButNotWithoutLimit) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
+#include <ostream>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -118,8 +119,10 @@ double share_of_walls_lost(const Octree& map) {
 
 /// Share of the map's leaves that are farther than a leaf from all that is or was there.
 double share_of_phantoms(const Octree& map) {
-  static const SurfaceIndex before(test::yard().survey_scene());
-  static const SurfaceIndex now(test::yard().scene(0));
+  const Scene survey_scene = test::yard().survey_scene();
+  const Scene scene = test::yard().scene(0);
+  const SurfaceIndex before(survey_scene);
+  const SurfaceIndex now(scene);
   const double edge = map.grid().edge;
   double phantoms = 0;
   map.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
@@ -139,6 +142,7 @@ Reading off_by(std::size_t i, const Twist& error) {
   r.T_odom_sensor = perturb(r.T_odom_sensor, error);
   return r;
 }
+void PrintTo(const Poison& poison, std::ostream* out) { *out << poison.name; }
 const std::vector<Poison>& poisons() {
   static const std::vector<Poison> list{
       {"ThirdOfAMetre", [](std::size_t i) { return off_by(i, twist(0.3, 0, 0, 0)); }},

@@ -26,11 +26,8 @@ Matrix6 walls(const std::vector<Eigen::Vector3d>& normals) {
 
 TEST(Observability, NamesTheDirectionThatNothingHolds) {
   using V = Eigen::Vector3d;
-  const Matrix6 rest = 0.1 * walls({V::UnitX(), V::UnitY(), V::UnitZ()});
-  const auto weakest = [&](const std::vector<V>& normals) {
-    return observability(walls(normals), rest, kLever);
-  };
-  EXPECT_GT(weakest({V::UnitX(), V::UnitY(), V::UnitZ()}).share, 0.8);
+  const auto weakest = [&](const std::vector<V>& normals) { return observability(walls(normals), kLever); };
+  EXPECT_GT(weakest({V::UnitX(), V::UnitY(), V::UnitZ()}).share, 0.6);
   EXPECT_EQ(to_string(weakest({V::UnitY(), V::UnitZ()})), "translation along x");
   EXPECT_EQ(to_string(weakest({V::UnitX(), V::UnitZ()})), "translation along y");
   EXPECT_EQ(to_string(weakest({V::UnitX(), V::UnitY()})), "translation along z");
@@ -40,9 +37,7 @@ TEST(Observability, NamesTheDirectionThatNothingHolds) {
   EXPECT_NEAR(std::abs(oblique.axis.dot(V(1, 1, 0).normalized())), 1, 1e-6);
 }
 
-TEST(Observability, OfNothingIsNone) {
-  EXPECT_EQ(observability(Matrix6::Zero(), Matrix6::Zero(), kLever).share, 0);
-}
+TEST(Observability, OfNothingIsNone) { EXPECT_EQ(observability(Matrix6::Zero(), kLever).share, 0); }
 
 }  // namespace
 }  // namespace evermap

@@ -71,7 +71,6 @@ TEST(Correspondence, IsTheNearestOfSevenVoxels) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(best_information);
     const Eigen::Vector3d n = eigen.eigenvectors().col(2);
     const double gap = eigen.eigenvalues()[2] - eigen.eigenvalues()[1];
-    EXPECT_NEAR(match->rest, eigen.eigenvalues()[1], 1e-5 * eigen.eigenvalues()[2]);
     EXPECT_LT((match->information - gap * n * n.transpose()).norm(), 1e-4 * eigen.eigenvalues()[2]);
   }
   EXPECT_GT(matched, 20U);

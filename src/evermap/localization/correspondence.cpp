@@ -19,14 +19,13 @@ const std::array<Eigen::Vector3i, 7>& steps() {
   return all;
 }
 
-/// Splits M into what it says along its stiffest axis and what it says everywhere.
-void set_rest_aside(Correspondence& match) {
+/// What M says along its stiffest axis and nowhere else.
+Eigen::Matrix3d along_normal(const Eigen::Matrix3d& M) {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
-  eigen.computeDirect(match.information);
+  eigen.computeDirect(M);
   const Eigen::Vector3d& lambda = eigen.eigenvalues();  // ascending
   const Eigen::Vector3d normal = eigen.eigenvectors().col(2);
-  match.rest = std::max(0.0, lambda[1]);
-  match.information = (lambda[2] - match.rest) * normal * normal.transpose();
+  return (lambda[2] - std::max(0.0, lambda[1])) * normal * normal.transpose();
 }
 
 }  // namespace
@@ -47,9 +46,9 @@ std::optional<Correspondence> correspond(const Octree& map, const Gaussian& bund
     const double mahalanobis_squared = residual.dot(information * residual);
     if (best && best->mahalanobis_squared <= mahalanobis_squared) continue;
     const double occupancy = 1 / (1 + std::exp(-static_cast<double>(leaf->log_odds)));
-    best = {residual, information, 0, mahalanobis_squared, occupancy};
+    best = {residual, information, mahalanobis_squared, occupancy};
   }
-  if (best) set_rest_aside(*best);
+  if (best) best->information = along_normal(best->information);
   return best;
 }
 

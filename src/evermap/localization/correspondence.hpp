@@ -19,7 +19,6 @@ namespace evermap {
 struct Correspondence {
   Eigen::Vector3d residual;     ///< e = mu_V - mu_R [m], map frame
   Eigen::Matrix3d information;  ///< (lambda_3 - lambda_2) n n' of M's eigenvalues [1/m^2]
-  double rest;                  ///< lambda_2 [1/m^2]: what is not counted
   double mahalanobis_squared;   ///< e' M e, with all of M
   double occupancy;             ///< probability that the leaf is there
 };

@@ -19,7 +19,7 @@ struct GateParameters {
   double max_rotation = 2 * std::numbers::pi / 180;  ///< [rad] likewise
   double max_growth = 2;                             ///< by which 3 sigma may widen these two
   double max_residual = 3;                           ///< times the median of what passed before
-  double least_inlier_share = 0.6;                   ///< times the median of what passed before
+  double least_inlier_share = 0.75;                  ///< times the median of what passed before
   std::size_t memory = 51;                           ///< scans that the medians are taken over
 };
 

@@ -57,7 +57,7 @@ Localization Localizer::localize(const Octree& map, const Scan& scan, double tim
   const bool is_search = state_ == TrackingState::kLost;
   const bool motion_is_known = last_ && !is_search && (velocity_ || T_odom_sensor);
   const double slack = motion_is_known ? 1 + failed_ : parameters_.starting_slack;
-  const Registration found = register_scan(map, scan, predicted);
+  const Registration found = register_scan(map, scan, predicted, slack);
   const Pose& expected = is_search ? found.T_map_sensor : predicted;  // a search has its own reach
   std::string objection = gate_.objection(found, expected, slack);
   if (objection.empty() && motion_is_known && !jumps && write) objection = write(found.T_map_sensor);
@@ -74,7 +74,8 @@ Localization Localizer::localize(const Octree& map, const Scan& scan, double tim
   return {found.converged() ? found.T_map_sensor : predicted, state_, objection, found};
 }
 
-Registration Localizer::register_scan(const Octree& map, const Scan& scan, const Pose& predicted) const {
+Registration Localizer::register_scan(const Octree& map, const Scan& scan, const Pose& predicted,
+                                      double slack) const {
   const LocalizerParameters& p = parameters_;
   if (state_ == TrackingState::kLost) {
     return relocate(map, scan, predicted, p.lidar, p.registration, p.relocation);
@@ -82,7 +83,7 @@ Registration Localizer::register_scan(const Octree& map, const Scan& scan, const
   if (state_ == TrackingState::kTracking) {
     const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, p.lidar, p.registration.max_bundles);
     Registration found = register_bundles(map, bundles, predicted, p.registration);
-    if (found.converged()) return found;
+    if (gate_.objection(found, predicted, slack).empty()) return found;
   }
   return register_coarse_to_fine(map, scan, predicted, p.lidar, p.registration);
 }

@@ -76,7 +76,8 @@ class Localizer {
   };
 
   bool odometry_jumps(double time, const std::optional<Pose>& T_odom_sensor) const;
-  Registration register_scan(const Octree& map, const Scan& scan, const Pose& predicted) const;
+  /// What is near is tried first, and what reaches farther when the gate does not like it.
+  Registration register_scan(const Octree& map, const Scan& scan, const Pose& predicted, double slack) const;
   void pass(const Fix& fix, bool motion_is_known);
   void fail();
 

@@ -11,16 +11,16 @@
 
 namespace evermap {
 
-Observability observability(const Matrix6& shapes, const Matrix6& rest, double lever) {
+Observability observability(const Matrix6& hessian, double lever) {
   Twist units;
   units << 1, 1, 1, 1 / lever, 1 / lever, 1 / lever;
-  const Matrix6 seen = units.asDiagonal() * shapes * units.asDiagonal();
-  Matrix6 all = units.asDiagonal() * (shapes + rest) * units.asDiagonal();
-  all.diagonal().array() += 1e-9 * all.trace();  // regular, even where nothing is said at all
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6> eigen(seen, all);
+  const Matrix6 scaled = units.asDiagonal() * hessian * units.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(scaled);
+  const double mean = eigen.eigenvalues().mean();
+  if (mean <= 0) return {};
   const Twist worst = eigen.eigenvectors().col(0);
   const bool is_rotation = worst.tail<3>().norm() > worst.head<3>().norm();
-  return {std::max(0.0, eigen.eigenvalues()[0]), is_rotation,
+  return {std::max(0.0, eigen.eigenvalues()[0] / mean), is_rotation,
           (is_rotation ? worst.tail<3>() : worst.head<3>()).normalized()};
 }
 

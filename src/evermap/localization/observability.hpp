@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include <evermap/localization/factor.hpp>
@@ -11,14 +10,14 @@ namespace evermap {
 
 /// How well the surroundings hold a pose, in the direction in which they hold it worst.
 struct Observability {
-  double share = 0;          ///< in [0, 1], of the information that comes from the shape of surfaces
-  bool is_rotation = false;  ///< about the axis through the sensor, else along it
+  double share = 0;                                 ///< of the information in the mean direction; in [0, 1]
+  bool is_rotation = false;                         ///< about the axis through the sensor, else along it
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< of length 1, map frame
 };
 
-/// `shapes`: the Hessian of what surfaces say; `rest`: that of what was not counted (see Correspondence).
-/// `lever`: [m] typical distance of what is seen, which makes turns comparable to shifts.
-Observability observability(const Matrix6& shapes, const Matrix6& rest, double lever);
+/// `hessian`: of what surfaces say about the pose. `lever`: [m] typical distance of what is seen, which makes
+/// turns comparable to shifts.
+Observability observability(const Matrix6& hessian, double lever);
 
 /// "translation along x", "rotation about (0.71, 0.70, 0.00)".
 std::string to_string(const Observability& direction);

@@ -16,7 +16,8 @@
 namespace evermap {
 namespace {
 
-constexpr std::size_t kChunk = 256;  ///< bundles per task; fixed, so that sums do not depend on threads
+constexpr double kLeastBundleEdge = 0.4;  ///< [m]
+constexpr std::size_t kChunk = 256;       ///< bundles per task; fixed, so that sums do not depend on threads
 
 Gaussian transform(const Pose& T_map_sensor, const Gaussian& bundle_sensor) {
   const Eigen::Matrix3d& R = T_map_sensor.rotation;
@@ -52,16 +53,6 @@ NormalEquations linearize(const Octree& map, const std::vector<Gaussian>& bundle
   });
 }
 
-/// The Hessian of what correspondences do not count.
-Matrix6 rest_hessian(const Octree& map, const std::vector<Gaussian>& bundles_sensor, const Pose& T_map_sensor,
-                     const RobustKernel& kernel) {
-  const auto rest = [&](Correspondence match, const Gaussian& bundle) {
-    match.information = match.rest * Eigen::Matrix3d::Identity();
-    return factor(match, bundle.mean - T_map_sensor.translation, weight_of(match, bundle, kernel));
-  };
-  return sum_over_matches(map, bundles_sensor, T_map_sensor, rest).hessian;
-}
-
 double root_mean_square_range(const std::vector<Gaussian>& bundles_sensor) {
   double sum = 0;
   for (const Gaussian& bundle : bundles_sensor) sum += bundle.mean.squaredNorm();
@@ -80,7 +71,7 @@ RegistrationOutcome judge(const Registration& registration, std::size_t matched,
 
 std::vector<Gaussian> bundles_in_sensor_frame(const Scan& scan, double edge, const LidarParameters& lidar,
                                               std::size_t max_bundles) {
-  const BundleGrid grid = condense(scan, Pose{}, VoxelGrid{.edge = edge}, lidar);
+  const BundleGrid grid = condense(scan, Pose{}, VoxelGrid{.edge = std::max(edge, kLeastBundleEdge)}, lidar);
   const std::vector<RayBundle>& all = grid.bundles();
   const std::size_t count = std::min(all.size(), max_bundles);
   std::vector<Gaussian> bundles;
@@ -105,9 +96,7 @@ Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bu
     kernel.width = std::max(kernel.width / 2, parameters.last_kernel_width);
     ++result.iterations;
   }
-  result.weakest =
-      observability(equations.hessian, rest_hessian(map, bundles_sensor, result.T_map_sensor, kernel),
-                    root_mean_square_range(bundles_sensor));
+  result.weakest = observability(equations.hessian, root_mean_square_range(bundles_sensor));
   result.inlier_share = static_cast<double>(equations.inliers) / static_cast<double>(bundles_sensor.size());
   result.residual = equations.inlier_error / std::max(1.0, static_cast<double>(equations.inliers));
   result.outcome = judge(result, equations.matched, settled, parameters);

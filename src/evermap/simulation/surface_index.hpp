@@ -22,6 +22,7 @@ namespace evermap {
 class SurfaceIndex {
  public:
   explicit SurfaceIndex(const Scene& scene);
+  explicit SurfaceIndex(const Scene&&) = delete;  // the index would outlive it
 
   /// True when the point is inside a solid or on its surface, `except` not regarded. Points on the surface of
   /// a solid should name it there, since rounding puts them inside as often as outside. Side by side, solids
