@@ -44,9 +44,7 @@ Outcome run_contest(const Course& course, double leaf) {
                            .measurements = 6,
                            .has_picture = true,
                            .at_end = [&](const Contender& contender, const Points&, const Truth&) {
-                             const auto* evermap = dynamic_cast<const EvermapContender*>(&contender);
-                             if (evermap != nullptr && contender.name() == kEvermap)
-                               outcome.after = evermap->octree();
+                             if (contender.name() == kEvermap) outcome.after = *contender.gaussian_map();
                              return Json::object();
                            }};
   outcome.result = hold_contest(course, usual_contenders(leaf, course.lidar), rules,
@@ -122,9 +120,9 @@ void run(const Options& options) {
   EvermapContender before("before", kShownLeaf, UpdateParameters{});
   before.start(course.survey());
   const Octree& after = outcomes.front().after.value();
-  save_map(options.folder / "before.evm", before.octree());
+  save_map(options.folder / "before.evm", *before.gaussian_map());
   save_map(options.folder / "after.evm", after);
-  write_pictures(options.folder, before.octree(), after, compare(before.octree(), after));
+  write_pictures(options.folder, *before.gaussian_map(), after, compare(*before.gaussian_map(), after));
   const Story story = tell(outcomes, options.folder);
   HtmlReport page("evermap: a demonstration");
   add_to(page, story, options.folder);

@@ -39,6 +39,7 @@ struct Known {
 constexpr Known kExperiments[] = {{"a", experiment_a},
                                   {"b", experiment_b},
                                   {"c", experiment_c},
+                                  {"localization", experiment_localization},
                                   {"timing", experiment_timing},
                                   {"ablation", experiment_ablation},
                                   {"robustness", experiment_robustness}};

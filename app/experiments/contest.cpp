@@ -9,6 +9,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "experiments/measures.hpp"
+#include "experiments/pilot.hpp"
 #include <evermap/simulation/noise.hpp>
 
 namespace evermap {
@@ -47,13 +48,21 @@ class Contest {
       results_[i] = {
           {"name", contenders_[i]->name()}, {"version", contenders_[i]->version()}, {"rows", Json::array()}};
     });
+    if (!rules_.finds_poses) return;
+    for (const auto& contender : contenders_) {
+      pilots_.emplace_back(*contender, rules_.leaf, course_.scans().front().T_map_sensor, course_.lidar);
+    }
   }
 
   void take(std::size_t scan) {
     const AlignedScan& aligned = course_.scans()[scan];
     const Pose T_map_sensor = with_noise(aligned.T_map_sensor, rules_.noise, scan);
     side_by_side(contenders_.size(), [&](std::size_t i) {
-      contenders_[i]->update(aligned.scan, T_map_sensor);
+      if (rules_.finds_poses) {
+        pilots_[i].take(aligned.scan, course_.time(scan), aligned.T_map_sensor);
+      } else {
+        contenders_[i]->update(aligned.scan, T_map_sensor);
+      }
       for (const Passer& passer : course_.passers()) {
         results_[i]["shown"][passer.name].push_back(shown(*contenders_[i], passer.p_map[scan]));
       }
@@ -79,6 +88,7 @@ class Contest {
       results_[i]["end"] = measure_changes(contender, changes, course_.position_sigma);
       results_[i]["end"].update(measure_uncropped(map, truth, course_.area));
       results_[i]["end"]["memory_bytes"] = contender.memory_bytes();
+      if (rules_.finds_poses) results_[i]["end"].update(pilots_[i].errors());
       if (rules_.at_end) results_[i]["end"].update(rules_.at_end(contender, map, truth));
       if (rules_.has_picture) results_[i]["picture"] = seen_from_above(map, truth, course_.view, rules_.leaf);
     });
@@ -103,6 +113,7 @@ class Contest {
   const Course& course_;
   const ContestRules& rules_;
   std::vector<std::unique_ptr<Contender>> contenders_;
+  std::vector<Pilot> pilots_;  ///< when poses are to be found
   std::vector<Json> results_;
 };
 

@@ -28,6 +28,7 @@ struct ContestRules {
   double leaf;                   ///< [m]
   std::size_t measurements = 1;  ///< over the run, evenly spread, the last one at its end
   PoseNoise noise{};
+  bool finds_poses = false;  ///< contenders are given the first pose alone, and localize in their own maps
   bool has_picture = false;  ///< the result holds what each map looks like from above
   /// More that is measured at the end.
   std::function<Json(const Contender&, const Points& map, const Truth&)> at_end{};

@@ -55,6 +55,8 @@ class Course {
   const std::vector<Passer>& passers() const { return passers_; }
   /// The place of a scan in the data that it comes from, where scans were left out.
   virtual std::size_t number(std::size_t scan) const = 0;
+  /// When a scan was taken [s].
+  double time(std::size_t scan) const { return 0.1 * static_cast<double>(number(scan)); }
 
   virtual Points survey() const = 0;
   virtual Truth truth(std::size_t scan) const = 0;

@@ -41,6 +41,7 @@ struct Experiment {
 Experiment experiment_a(const Setup& setup);
 Experiment experiment_b(const Setup& setup);
 Experiment experiment_c(const Setup& setup);
+Experiment experiment_localization(const Setup& setup);
 Experiment experiment_timing(const Setup& setup);
 Experiment experiment_ablation(const Setup& setup);
 Experiment experiment_robustness(const Setup& setup);

@@ -21,12 +21,12 @@ const VoxelGrid kObserved{.edge = 0.2};
 Scenario scenario_of(const ScenarioChoice& choice, std::uint64_t seed) {
   Scenario scenario = shipped_scenario(choice.scenario);
   scenario.seed = seed;
-  scenario.scans = std::min(choice.scans.value_or(scenario.scans), scenario.scans);
+  const int scans = choice.scans.value_or(scenario.scans);
   if (choice.stands_at_middle) {
-    const double middle = 0.5 * scenario.scans / scenario.lidar.rate;
+    const double middle = 0.5 * std::min(scans, scenario.scans) / scenario.lidar.rate;
     scenario.robot = {scenario.robot.at(middle).value(), std::nullopt};
-    scenario.scans = choice.scans.value_or(scenario.scans);
   }
+  scenario.scans = scans;
   return scenario;
 }
 

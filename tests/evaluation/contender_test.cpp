@@ -217,13 +217,13 @@ TEST(EvermapContender, RemembersWhereItLookedFrom) {
   for (EvermapContender* contender : {&remembers, &forgets}) contender->start(survey());
   const VoxelGrid grid{.edge = kEdge};
   const VoxelKey key = *grid.key({9.03, 1.2, 1.0});  // the box does not hide it
-  const float before = remembers.octree().find(key)->count;
+  const float before = remembers.gaussian_map()->find(key)->count;
   for (int i = 0; i < 10; ++i) {
     const Scan scan = scene(true).scan(place(0), kPointsOfScan, 0.01, random);
     for (EvermapContender* contender : {&remembers, &forgets}) contender->update(scan, place(0));
   }
-  EXPECT_GT(remembers.octree().find(key)->count, before);
-  EXPECT_GT(forgets.octree().find(key)->count, remembers.octree().find(key)->count);
+  EXPECT_GT(remembers.gaussian_map()->find(key)->count, before);
+  EXPECT_GT(forgets.gaussian_map()->find(key)->count, remembers.gaussian_map()->find(key)->count);
 }
 
 }  // namespace

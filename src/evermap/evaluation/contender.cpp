@@ -27,6 +27,7 @@ class StaticContender final : public Contender {
   }
   Points surface() const override { return map_.surface(); }
   std::size_t memory_bytes() const override { return map_.memory_bytes(); }
+  const Octree* gaussian_map() const override { return map_.gaussian_map(); }
 
  private:
   EvermapContender map_;

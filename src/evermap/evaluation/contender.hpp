@@ -14,6 +14,7 @@
 
 #include <evermap/evaluation/map_metrics.hpp>
 #include <evermap/geometry/pose.hpp>
+#include <evermap/map/octree.hpp>
 #include <evermap/scan/ray_bundle.hpp>
 #include <evermap/scan/scan.hpp>
 
@@ -45,6 +46,8 @@ class Contender {
   /// One point [m, map frame] per occupied leaf: the Gaussian's mean, or the voxel's centre.
   virtual Points surface() const = 0;
   virtual std::size_t memory_bytes() const = 0;  ///< by its own account
+  /// The map itself where it is one of Gaussians, else nullptr.
+  virtual const Octree* gaussian_map() const { return nullptr; }
 
  protected:
   explicit Contender(std::string name) : name_(std::move(name)) {}

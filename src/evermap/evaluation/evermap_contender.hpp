@@ -23,7 +23,7 @@ class EvermapContender final : public Contender {
   Points surface() const override;
   std::size_t memory_bytes() const override;
 
-  const Octree& octree() const { return octree_; }
+  const Octree* gaussian_map() const override { return &octree_; }
 
  private:
   UpdateParameters parameters_;

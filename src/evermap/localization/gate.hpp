@@ -14,7 +14,7 @@ namespace evermap {
 /// What a registered pose must satisfy before anything is believed of it. A registration that converged is
 /// not enough: among posts of equal spacing it converges one post off.
 struct GateParameters {
-  double max_translation = 0.3;                      ///< [m] from the prediction, or 3 sigma of how far
+  double max_translation = 0.3;                      ///< [m] from a prediction over 0.1 s, or 3 sigma of how far
                                                      ///< passed scans were from theirs, if that is more
   double max_rotation = 2 * std::numbers::pi / 180;  ///< [rad] likewise
   double max_growth = 2;                             ///< by which 3 sigma may widen these two
@@ -29,8 +29,7 @@ class Gate {
   explicit Gate(const GateParameters& parameters)
       : parameters_(parameters), residuals_(parameters.memory), inlier_shares_(parameters.memory) {}
 
-  /// Why this pose is not to be believed; empty when it is. `slack` widens the distance to the prediction,
-  /// for predictions over more than one scan.
+  /// Why this pose is not to be believed; empty when it is. `slack` widens the distance to the prediction.
   std::string objection(const Registration& registration, const Pose& T_map_sensor_predicted,
                         double slack) const;
   /// Takes a scan that passed. `is_predicted`: whether its prediction came from known motion.

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
 #include <evermap/localization/localizer.hpp>
 
 namespace evermap {
@@ -36,11 +38,16 @@ Pose Localizer::motion(double time, const std::optional<Pose>& T_odom_sensor, do
   return exp(since * duration / (time - last_->time));
 }
 
+double Localizer::slack(double time) const {
+  constexpr double kPeriod = 0.1;  // [s] that the gate's distances are for
+  return std::max(1.0, (time - last_->time) / kPeriod);
+}
+
 bool Localizer::odometry_jumps(double time, const std::optional<Pose>& T_odom_sensor) const {
   if (!velocity_ || !last_->T_odom_sensor || !T_odom_sensor) return false;
   const Pose moved = last_->T_odom_sensor->inverse() * *T_odom_sensor;
   const Pose steady = exp(*velocity_ * (time - last_->time));
-  return (moved.translation - steady.translation).norm() > parameters_.max_jump * (1 + failed_);
+  return (moved.translation - steady.translation).norm() > parameters_.max_jump * slack(time);
 }
 
 Localization Localizer::localize(const Octree& map, const Scan& scan, double time,
@@ -56,10 +63,10 @@ Localization Localizer::localize(const Octree& map, const Scan& scan, double tim
 
   const bool is_search = state_ == TrackingState::kLost;
   const bool motion_is_known = last_ && !is_search && (velocity_ || T_odom_sensor);
-  const double slack = motion_is_known ? 1 + failed_ : parameters_.starting_slack;
-  const Registration found = register_scan(map, scan, predicted, slack);
+  const double wide = motion_is_known ? slack(time) : parameters_.starting_slack;
+  const Registration found = register_scan(map, scan, predicted, wide);
   const Pose& expected = is_search ? found.T_map_sensor : predicted;  // a search has its own reach
-  std::string objection = gate_.objection(found, expected, slack);
+  std::string objection = gate_.objection(found, expected, wide);
   if (objection.empty() && motion_is_known && !jumps && write) objection = write(found.T_map_sensor);
   if (objection.empty()) {
     gate_.remember(found, predicted, motion_is_known);

@@ -28,7 +28,7 @@ struct LocalizerParameters {
   GateParameters gate;
   RelocationParameters relocation;
   double starting_slack = 5;  ///< times the gate's distances, while the motion is not known
-  double max_jump = 0.6;      ///< [m] by which odometry may leave constant velocity between two scans: no
+  double max_jump = 0.6;      ///< [m] by which odometry may leave constant velocity in 0.1 s: no
                               ///< vehicle can, so that its wheels have slipped
   int lost_after = 5;         ///< scans in a row that did not pass the gate
 };
@@ -75,6 +75,8 @@ class Localizer {
     std::optional<Pose> T_odom_sensor;
   };
 
+  /// How much wider the gate is for a prediction over more than one period. REQUIRES: there was a fix.
+  double slack(double time) const;
   bool odometry_jumps(double time, const std::optional<Pose>& T_odom_sensor) const;
   /// What is near is tried first, and what reaches farther when the gate does not like it.
   Registration register_scan(const Octree& map, const Scan& scan, const Pose& predicted, double slack) const;

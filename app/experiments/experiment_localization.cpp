@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "experiments/contest_story.hpp"
+#include "experiments/experiment.hpp"
+#include "experiments/scenario_course.hpp"
+
+namespace evermap {
+namespace {
+
+/// Who drives what.
+struct Trial {
+  std::string name;   ///< of the unit
+  std::string title;  ///< in tables
+  std::uint64_t seed;
+  int scans;         ///< of the scenario
+  bool has_all;      ///< all contenders, or evermap default and the static map alone
+  bool finds_poses;  ///< or is given them, for comparison
+};
+
+std::vector<Trial> trials_of(const Setup& setup) {
+  if (setup.is_quick) return {{"localization_all", "one stretch", setup.seed, 40, false, true}};
+  std::vector<Trial> trials{{"localization_all", "one loop", setup.seed, 600, true, true},
+                            {"localization_given", "one loop, poses given", setup.seed, 600, false, false}};
+  for (int i = 1; i < setup.seeds; ++i) {
+    const auto seed = setup.seed + static_cast<std::uint64_t>(i);
+    trials.push_back({fmt::format("localization_seed_{}", seed), fmt::format("one loop, seed {}", seed), seed,
+                      600, false, true});
+  }
+  trials.push_back({"localization_loops", "five loops", setup.seed, 3000, false, true});
+  return trials;
+}
+
+Unit unit_of(double leaf, const Trial& trial) {
+  const ScenarioChoice choice{.scenario = "quarry",
+                              .every = 2,
+                              .scans = trial.scans,
+                              .truth_spacing = 0.31,
+                              .area = {Eigen::Vector2d(-80, -70), Eigen::Vector2d(80, 70)}};
+  const auto compute = [=](const Progress& progress) {
+    const ScenarioCourse course(choice, trial.seed);
+    std::vector<std::unique_ptr<Contender>> contenders;
+    if (trial.has_all) {
+      contenders = usual_contenders(leaf, course.lidar);
+    } else {
+      for (const char* name : {"static map", kEvermap})
+        contenders.push_back(make_contender(name, leaf, course.lidar));
+    }
+    const ContestRules rules{.leaf = leaf, .measurements = 6, .finds_poses = trial.finds_poses};
+    return hold_contest(course, std::move(contenders), rules, progress);
+  };
+  return {trial.name,
+          {{"leaf", leaf},
+           {"seed", trial.seed},
+           {"scans", trial.scans},
+           {"all", trial.has_all},
+           {"finds_poses", trial.finds_poses}},
+          compute};
+}
+
+const Json& found_of(const Json& result, const std::string& name) {
+  for (const Json& contender : result["contenders"]) {
+    if (contender["name"] == name) return contender;
+  }
+  throw std::invalid_argument("no contender " + name);
+}
+
+Plot error_plot(const Json& result) {
+  Plot plot{"Error of the pose", {"scan"}, {"distance [m]", true}, {}, {}, {}};
+  const auto scans = result["scan_numbers"].get<std::vector<double>>();
+  for (const std::string& name : contenders_of(result)) {
+    plot.series.push_back(
+        {.name = name, .x = scans, .y = found_of(result, name)["end"]["error"].get<std::vector<double>>()});
+  }
+  return plot;
+}
+
+Plot quality_plot(const Json& result) {
+  Plot plot{"AHD of the map", {"scan"}, {"distance [m]"}, {}, {}, {}};
+  for (const std::string& name : contenders_of(result)) {
+    plot.series.push_back({.name = name, .x = along(result, name, "scan"), .y = along(result, name, "AHD")});
+  }
+  return plot;
+}
+
+HtmlTable table_of(double leaf, const std::vector<Trial>& trials, const std::vector<Json>& results) {
+  using Best = HtmlTable::Best;
+  HtmlTable table{
+      fmt::format("Localization in the map that is being kept, leaf {} m. ATE: without alignment. "
+                  "Lost: share of scans off by more than 1 m or 5 degrees.",
+                  leaf),
+      {{"run", Best::kNone, 0}, {"map", Best::kNone, 0}},
+      {}};
+  const std::vector<std::string> measures{"ATE", "worst", "rotation", "lost", "tracked", "SA", "DA", "AHD"};
+  const std::vector<std::string> titles{"ATE [m]", "worst [m]", "rotation [deg]", "lost", "tracked",
+                                        "SA",      "DA",        "AHD [m]"};
+  for (const std::string& title : titles) table.columns.push_back({title, Best::kNone, 4});
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    for (const std::string& name : contenders_of(results[i])) {
+      std::vector<HtmlTable::Cell> row{trials[i].title, name};
+      for (const std::string& measure : measures) row.emplace_back(at_end(results[i], name, measure));
+      table.rows.push_back(std::move(row));
+    }
+  }
+  return table;
+}
+
+void set_aims(Story& story, const Trial& trial, const Json& result) {
+  const std::string where = "quarry, " + trial.title;
+  aim_at_most(story, where, "ATE [m]", 0.03, at_end(result, kEvermap, "ATE"));
+  aim_at_most(story, where, "rotation [deg]", 0.1, at_end(result, kEvermap, "rotation"));
+  aim_at_most(story, where, "share lost", 0, at_end(result, kEvermap, "lost"));
+}
+
+}  // namespace
+
+Experiment experiment_localization(const Setup& setup) {
+  const double leaf = setup.leaves.empty() ? 0.4 : setup.leaves.front();
+  const std::vector<Trial> trials = trials_of(setup);
+  Experiment experiment{"localization", {}, {}, {}};
+  for (const Trial& trial : trials) experiment.units.push_back(unit_of(leaf, trial));
+  experiment.tell = [=](const std::vector<Json>& results, const std::filesystem::path& folder) {
+    Story story{"Localization while the world changes"};
+    story.blocks.emplace_back(
+        Paragraph{"The pit of experiment C, but no map is given any pose but the first: each scan is "
+                  "registered against the map, and updates it there. Registration is the same for all; grids "
+                  "lend it a Gaussian for each occupied voxel, made of the voxels around."});
+    write_plot(folder / "localization", {error_plot(results[0]), quality_plot(results[0])});
+    story.blocks.emplace_back(Figure{"localization.svg",
+                                     "The paper's figure 10: error of the pose, and how "
+                                     "far map and truth are apart, over the scans."});
+    story.blocks.emplace_back(table_of(leaf, trials, results));
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+      if (trials[i].finds_poses) set_aims(story, trials[i], results[i]);
+    }
+    return story;
+  };
+  return experiment;
+}
+
+}  // namespace evermap

@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experiments/pilot.hpp"
+
+#include <numbers>
+#include <string>
+
+#include <evermap/evaluation/trajectory_metrics.hpp>
+#include <evermap/geometry/neighbourhood.hpp>
+
+namespace evermap {
+namespace {
+
+constexpr std::size_t kRefresh = 10;  ///< scans written into a grid before its Gaussians are made anew
+
+LocalizerParameters parameters_for(const LidarParameters& lidar) {
+  LocalizerParameters parameters;
+  parameters.lidar = lidar;
+  return parameters;
+}
+
+}  // namespace
+
+Octree gaussians_of_grid(const Points& centers, double edge) {
+  constexpr double kSure = 3;       // log-odds
+  constexpr double kThinnest = 10;  // times thinner than a voxel a surface may seem
+  Octree occupied(VoxelGrid{.edge = edge});
+  for (const Eigen::Vector3d& center : centers) {
+    if (const auto key = occupied.grid().key(center)) occupied.find_or_insert(*key).log_odds = kSure;
+  }
+  Octree gaussians = occupied;
+  occupied.for_each_leaf([&](VoxelKey key, const Leaf&) {
+    const auto point = [&](VoxelKey at) {
+      return Gaussian{occupied.grid().center(at), Eigen::Matrix3d::Zero(), 1};
+    };
+    Gaussian around = point(key);
+    any_in_neighbourhood(key, [&](VoxelKey near) {
+      if (near != key && occupied.find(near) != nullptr) around = merge(around, point(near));
+      return false;
+    });
+    around.covariance = floor_eigenvalues(around.covariance, edge * edge / (kThinnest * kThinnest));
+    gaussians.find(key)->set_gaussian(around, occupied.grid().center(key));
+  });
+  return gaussians;
+}
+
+Pilot::Pilot(Contender& contender, double edge, const Pose& start, const LidarParameters& lidar)
+    : contender_(contender),
+      edge_(edge),
+      localizer_(start, parameters_for(lidar)),
+      grid_target_(VoxelGrid{.edge = edge}) {}
+
+const Octree& Pilot::target() {
+  if (const Octree* map = contender_.gaussian_map()) return *map;
+  if (written_ % kRefresh == 0) grid_target_ = gaussians_of_grid(contender_.surface(), edge_);
+  return grid_target_;
+}
+
+void Pilot::take(const Scan& scan, double time, const Pose& T_map_sensor_true) {
+  const Localization at =
+      localizer_.localize(target(), scan, time, std::nullopt, [&](const Pose& T_map_sensor) {
+        contender_.update(scan, T_map_sensor);
+        ++written_;
+        return std::string();
+      });
+  tracked_ += at.state == TrackingState::kTracking ? 1 : 0;
+  true_.push_back(T_map_sensor_true);
+  found_.push_back(at.T_map_sensor);
+}
+
+Json Pilot::errors() const {
+  const TrajectoryError error = compare_trajectories(true_, found_);
+  return {{"error", error.translation},
+          {"ATE", error.translation_rmse()},
+          {"worst", error.translation_max()},
+          {"rotation", error.rotation_rmse() * 180 / std::numbers::pi},
+          {"lost", error.share_lost()},
+          {"tracked", static_cast<double>(tracked_) / static_cast<double>(found_.size())}};
+}
+
+}  // namespace evermap
