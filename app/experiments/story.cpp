@@ -104,7 +104,10 @@ std::string markdown_of(const Story& story) {
   std::string text = fmt::format("## {}\n\n", story.title);
   const Overloaded add{[&](const Heading& heading) { text += fmt::format("### {}\n\n", heading.text); },
                        [&](const Paragraph& paragraph) { text += paragraph.text + "\n\n"; },
-                       [&](const HtmlTable& table) { text += markdown(table); }, [](const Figure&) {}};
+                       [&](const HtmlTable& table) { text += markdown(table); },
+                       [&](const Figure& figure) {
+                         text += fmt::format("![{}]({})\n\n", figure.caption, figure.picture.string());
+                       }};
   for (const Block& block : story.blocks) std::visit(add, block);
   return text;
 }

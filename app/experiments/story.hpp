@@ -50,7 +50,7 @@ struct Story {
 void add_to(HtmlReport& page, const Story& story, const std::filesystem::path& folder);
 /// The tables alone, for a terminal.
 std::string text_of(const Story& story);
-/// All but the figures.
+/// Figures are linked as files beside the text.
 std::string markdown_of(const Story& story);
 /// All tables, one below the other, each with a line of its caption.
 std::string csv_of(const Story& story);

@@ -117,9 +117,46 @@ TEST_F(LocalizeTest, OdometryThatDoesNotBelongToTheScansIsNamed) {
   expect({0.1, 0.3, 0.2, 0.4}, "line 3: the time is not later");
 }
 
+TEST_F(LocalizeTest, OdometryOfAnotherFrameIsNamed) {
+  build_map();
+  std::string spinning;
+  for (int i = 0; i < kScans; ++i) {
+    for (const double value :
+         {0.1 * (i + 1), 0.0, 0.0, 0.0, 0.0, 0.0, std::sin(0.2 * i), std::cos(0.2 * i)}) {
+      spinning += std::to_string(value) + " ";
+    }
+    spinning += '\n';
+  }
+  make("odometry.txt", spinning);
+  expect_failed(localize({"--odometry", name("odometry.txt")}), "odometry.txt: no scan could be tracked");
+}
+
+TEST_F(LocalizeTest, ARunCanBeUndone) {
+  build_map();
+  const std::string before = content(path("map.evm"));
+  expect_done(localize({"--maintain", "--map-out", name("map.evm"), "--undo-log"}));
+  EXPECT_FALSE(content(path("map.evm")) == before);
+  expect_done({"undo", name("map.evm")});
+  EXPECT_TRUE(content(path("map.evm")) == before);
+}
+
+// The hall is exchanged for another one: what the first scans of it did before the robot was lost is undone.
+TEST_F(LocalizeTest, TakesBackWhatALostRobotDid) {
+  build_map();
+  for (int i = 5; i < kScans; ++i) make("scans/" + std::to_string(1000 + i) + ".bin", hall(4, -7));
+  const Result result =
+      run(localize({"--maintain", "--map-out", name("kept.evm"), "--json", "--probation", "20"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json report = Json::parse(result.out);
+  EXPECT_GE(report["states"]["lost"], 1);
+  EXPECT_EQ(report["taken_back"], 3);  // all that were tracked
+  EXPECT_TRUE(content(path("kept.evm")) == content(path("map.evm")));
+}
+
 TEST_F(LocalizeTest, WrongUseIsNamed) {
   build_map();
   expect_failed(localize({"--maintain"}), "--map-out");
+  expect_failed(localize({"--undo-log"}), "--undo-log needs --maintain");
   expect_failed(localize({"--initial-pose", "0 0 0 0 0 0 3"}), "norm");
   EXPECT_EQ(run(localize({"--initial-pose", "1 2 3"})).exit_code, 2);
 }
