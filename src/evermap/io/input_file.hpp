@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <string_view>
 
@@ -11,10 +12,31 @@
 
 namespace evermap {
 
+/// A file that is read piece by piece. The constructor throws IoError when there is no such file, or it is no
+/// regular file, empty or unreadable.
+class InputStream {
+ public:
+  explicit InputStream(std::filesystem::path path);
+
+  const std::filesystem::path& path() const { return path_; }
+  std::uint64_t position() const { return position_; }      ///< [bytes]
+  std::uint64_t rest() const { return size_ - position_; }  ///< [bytes] that follow
+
+  /// Reads the next `size` bytes into the buffer. REQUIRES: size <= rest(). Throws IoError when they cannot
+  /// be read, or are no longer there.
+  void read(std::string& buffer, std::size_t size);
+
+ private:
+  std::filesystem::path path_;
+  std::ifstream stream_;
+  std::uint64_t size_;
+  std::uint64_t position_ = 0;
+};
+
 /// A whole file in memory, and the way to say what is wrong in it.
 ///
 /// A copy instead of a memory map, because a map kills the process when the file shrinks meanwhile. The
-/// constructor throws IoError when there is no such file, or it is no regular file, empty or unreadable.
+/// constructor throws IoError like InputStream's.
 class InputFile {
  public:
   explicit InputFile(std::filesystem::path path);

@@ -59,6 +59,17 @@ using Checksum = std::uint64_t;
 
 Checksum checksum(std::string_view bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 
+/// Of both, one after the other.
+Checksum checksum(std::string_view first, std::string_view second) {
+  XXH3_state_t* state = XXH3_createState();
+  XXH3_64bits_reset(state);
+  XXH3_64bits_update(state, first.data(), first.size());
+  XXH3_64bits_update(state, second.data(), second.size());
+  const Checksum sum = XXH3_64bits_digest(state);
+  XXH3_freeState(state);
+  return sum;
+}
+
 template <class T>
 std::string_view bytes_of(const T& value) {
   return {reinterpret_cast<const char*>(&value), sizeof(value)};
@@ -146,7 +157,8 @@ class BlockWriter {
   std::string section_;
 };
 
-/// Takes a map file apart, section by section, and lets nothing pass that was not written.
+/// Takes a map file apart, section by section, and lets nothing pass that was not written. No more than one
+/// section is in memory.
 class MapReader {
  public:
   explicit MapReader(const std::filesystem::path& path) : file_(path), header_(read_header()) {}
@@ -154,10 +166,12 @@ class MapReader {
   Octree read() {
     Octree octree({header_.edge, Eigen::Map<const Eigen::Vector3d>(header_.origin)});
     for (block_ = 0; block_ < header_.blocks; ++block_) read_block(octree);
-    if (bytes().substr(offset_, kEndMark.size()) != kEndMark) fail("the mark of the map's end is missing");
-    offset_ += kEndMark.size();
-    if (offset_ != bytes().size())
-      fail(std::to_string(bytes().size() - offset_) + " bytes follow the map's end");
+    next(std::min<std::uint64_t>(kEndMark.size(), file_.rest()));
+    if (section_ != kEndMark) fail("the mark of the map's end is missing");
+    if (file_.rest() > 0) {
+      offset_ = file_.position();
+      fail(std::to_string(file_.rest()) + " bytes follow the map's end");
+    }
     if (octree.leaf_count() != header_.leaves) {
       fail("holds " + std::to_string(octree.leaf_count()) + " leaves, the header says " +
            std::to_string(header_.leaves));
@@ -166,74 +180,81 @@ class MapReader {
   }
 
  private:
-  std::string_view bytes() const { return file_.bytes(); }
-
-  [[noreturn]] void fail(const std::string& what) const {
-    file_.fail_at_byte(offset_, what + "; the map is damaged, restore it from a copy");
+  /// Makes the next bytes of the file the section in hand.
+  void next(std::size_t size) {
+    offset_ = file_.position();
+    file_.read(section_, size);
   }
-  [[noreturn]] void fail_in_block(std::size_t offset, const std::string& what) const {
-    file_.fail_at_byte(offset, "block " + std::to_string(block_ + 1) + " of " +
-                                   std::to_string(header_.blocks) + ": " + what +
-                                   "; the map is damaged, restore it from a copy");
+
+  [[noreturn]] void fail_at(std::uint64_t offset, const std::string& what) const {
+    throw IoError(file_.path(), IoError::Unit::kByte, offset, what);
+  }
+  [[noreturn]] void fail(const std::string& what) const {
+    fail_at(offset_, what + "; the map is damaged, restore it from a copy");
+  }
+  [[noreturn]] void fail_in_block(std::uint64_t offset, const std::string& what) const {
+    fail_at(offset, "block " + std::to_string(block_ + 1) + " of " + std::to_string(header_.blocks) + ": " +
+                        what + "; the map is damaged, restore it from a copy");
   }
 
   Header read_header() {
-    if (!bytes().starts_with(kMagic)) file_.fail_at_byte(0, "is no evermap map (.evm)");
-    if (bytes().size() < sizeof(Header)) fail("ends inside the header");
-    const auto header = take<Header>(bytes(), 0);
+    next(std::min<std::uint64_t>(sizeof(Header), file_.rest()));
+    if (!section_.starts_with(kMagic)) fail_at(0, "is no evermap map (.evm)");
+    if (section_.size() < sizeof(Header)) fail("ends inside the header");
+    const auto header = take<Header>(section_, 0);
     if (header.format > kMapFormat) {
-      file_.fail_at_byte(offsetof(Header, format),
-                         "made by a newer evermap: format " + std::to_string(header.format) +
-                             ", this program reads up to " + std::to_string(kMapFormat) + "; update evermap");
+      fail_at(offsetof(Header, format), "made by a newer evermap: format " + std::to_string(header.format) +
+                                            ", this program reads up to " + std::to_string(kMapFormat) +
+                                            "; update evermap");
     }
     const std::size_t checked = sizeof(Header) - sizeof(Checksum);
-    if (header.checksum != checksum(bytes().substr(0, checked))) fail("the header's checksum does not fit");
+    if (header.checksum != checksum(std::string_view(section_).substr(0, checked))) {
+      fail("the header's checksum does not fit");
+    }
     if (header.format != kMapFormat || header.record_size != sizeof(Record))
       fail("the header makes no sense");
     const bool is_finite =
         std::all_of(header.origin, header.origin + 3, [](double x) { return std::isfinite(x); });
     if (!is_leaf_edge(header.edge) || !is_finite) fail("the header's grid makes no sense");
-    offset_ = sizeof(Header);
     return header;
   }
 
   void read_block(Octree& octree) {
-    const std::size_t rest = bytes().size() - offset_;
-    if (rest < sizeof(BlockHeader)) fail_in_block(offset_, "the file ends before it");
-    const auto block = take<BlockHeader>(bytes(), offset_);
-    if (block.payload_size != block.leaves * sizeof(Record))
-      fail_in_block(offset_, "its size makes no sense");
-    if (rest - sizeof(BlockHeader) < block.payload_size + sizeof(Checksum)) {
-      fail_in_block(offset_, "the file ends inside it");
-    }
-    const std::size_t size = sizeof(BlockHeader) + block.payload_size;
-    if (take<Checksum>(bytes(), offset_ + size) != checksum(bytes().substr(offset_, size))) {
-      fail_in_block(offset_, "its checksum does not fit");
+    if (file_.rest() < sizeof(BlockHeader)) fail_in_block(file_.position(), "the file ends before it");
+    next(sizeof(BlockHeader));
+    const std::string head = section_;
+    const std::uint64_t begin = offset_;
+    const auto block = take<BlockHeader>(head, 0);
+    if (block.payload_size != block.leaves * sizeof(Record)) fail_in_block(begin, "its size makes no sense");
+    if (file_.rest() < block.payload_size + sizeof(Checksum)) fail_in_block(begin, "the file ends inside it");
+    next(block.payload_size + sizeof(Checksum));
+    const std::string_view payload = std::string_view(section_).substr(0, block.payload_size);
+    if (take<Checksum>(section_, block.payload_size) != checksum(head, payload)) {
+      fail_in_block(begin, "its checksum does not fit");
     }
     const bool ascends = block_ == 0 || block.key > last_block_key_;
     if (!ascends || block.key >> kBlockBits != 0 || block.leaves == 0) {
-      fail_in_block(offset_, "its key or number of leaves makes no sense");
+      fail_in_block(begin, "its key or number of leaves makes no sense");
     }
     last_block_key_ = block.key;
     read_leaves(octree, block);
-    offset_ += size + sizeof(Checksum);
   }
 
   void read_leaves(Octree& octree, const BlockHeader& block) const {
     std::int64_t last_key = -1;
     for (std::size_t i = 0; i < block.leaves; ++i) {
-      const std::size_t offset = offset_ + sizeof(BlockHeader) + i * sizeof(Record);
-      const auto record = take<Record>(bytes(), offset);
+      const auto record = take<Record>(section_, i * sizeof(Record));
       if (record.key_in_block <= last_key || record.key_in_block >> kLeafBits != 0 || !is_sound(record)) {
-        fail_in_block(offset, "leaf " + std::to_string(i) + " makes no sense");
+        fail_in_block(offset_ + i * sizeof(Record), "leaf " + std::to_string(i) + " makes no sense");
       }
       last_key = record.key_in_block;
       octree.find_or_insert(VoxelKey(block.key << kLeafBits | record.key_in_block)) = to_leaf(record);
     }
   }
 
-  InputFile file_;
-  std::size_t offset_ = 0;  ///< [bytes] of the section in hand
+  InputStream file_;
+  std::string section_;       ///< in hand
+  std::uint64_t offset_ = 0;  ///< [bytes] of it in the file
   std::uint64_t block_ = 0;
   std::uint64_t last_block_key_ = 0;
   Header header_;  // last, because reading it needs the others
