@@ -20,7 +20,7 @@ constexpr std::size_t kLateScans = 50;  ///< of the scenario: the pile is measur
 ScenarioChoice choice(double leaf, bool is_quick) {
   // OctoMap needs seconds for each scan of the pit. Scans farther apart would see what has changed too seldom
   // to contradict it, so that where leaves are small the run is shorter instead.
-  const int scans = is_quick ? 24 : leaf < 0.3 ? 210 : 300;
+  const int scans = is_quick ? 24 : leaf < 0.3 ? 210 : 600;
   return {.scenario = "quarry",
           .every = leaf < 0.3 || is_quick ? 3U : 2U,
           .scans = scans,
