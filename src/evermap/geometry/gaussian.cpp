@@ -9,6 +9,11 @@
 
 namespace evermap {
 
+Gaussian transform(const Pose& T_b_a, const Gaussian& a) {
+  const Eigen::Matrix3d& R = T_b_a.rotation;
+  return {T_b_a * a.mean, R * a.covariance * R.transpose(), a.count};
+}
+
 Gaussian merge(const Gaussian& a, const Gaussian& b) {
   const double count = a.count + b.count;
   const double share_b = b.count / count;

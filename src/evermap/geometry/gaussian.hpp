@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include <evermap/geometry/pose.hpp>
+
 namespace evermap {
 
 /// `count` points, known by their mean and covariance (scatter / count). All of the map's arithmetic on
@@ -20,6 +22,9 @@ struct Gaussian {
 /// ellipsoids.
 inline constexpr double kChiSquared95 = 7.814727903251179;
 inline constexpr double kChiSquared99 = 11.344866730144373;
+
+/// The Gaussian of points of frame a, seen from frame b.
+Gaussian transform(const Pose& T_b_a, const Gaussian& a);
 
 /// The Gaussian of both sets of points together (moment matching).
 Gaussian merge(const Gaussian& a, const Gaussian& b);

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include <Eigen/LU>
-#include <oneapi/tbb/parallel_for.h>
 
+#include <evermap/geometry/for_each_index.hpp>
 #include <evermap/localization/coarse_map.hpp>
 #include <evermap/localization/correspondence.hpp>
 #include <evermap/localization/perturbation.hpp>
@@ -19,38 +19,27 @@ namespace {
 constexpr double kLeastBundleEdge = 0.4;  ///< [m]
 constexpr std::size_t kChunk = 256;       ///< bundles per task; fixed, so that sums do not depend on threads
 
-Gaussian transform(const Pose& T_map_sensor, const Gaussian& bundle_sensor) {
-  const Eigen::Matrix3d& R = T_map_sensor.rotation;
-  return {T_map_sensor * bundle_sensor.mean, R * bundle_sensor.covariance * R.transpose(),
-          bundle_sensor.count};
+double weight_of(const Correspondence& match, const Gaussian& bundle, const RobustKernel& kernel) {
+  return std::sqrt(bundle.count) * match.occupancy * kernel.weight(match.mahalanobis_squared);
 }
 
-/// The sum over all bundles of what `share(match, bundle in the map frame)` gives; joined in order.
-template <class Share>
-NormalEquations sum_over_matches(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
-                                 const Pose& T_map_sensor, const Share& share) {
+/// The factors of all bundles, joined in order.
+NormalEquations linearize(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
+                          const Pose& T_map_sensor, const RobustKernel& kernel) {
   std::vector<NormalEquations> sums((bundles_sensor.size() + kChunk - 1) / kChunk);
-  oneapi::tbb::parallel_for(std::size_t{0}, sums.size(), [&](std::size_t chunk) {
+  for_each_index(sums.size(), 1, [&](std::size_t chunk) {
     const std::size_t end = std::min(bundles_sensor.size(), (chunk + 1) * kChunk);
     for (std::size_t i = chunk * kChunk; i < end; ++i) {
       const Gaussian bundle = transform(T_map_sensor, bundles_sensor[i]);
-      if (const auto match = correspond(map, bundle)) sums[chunk] += share(*match, bundle);
+      const auto match = correspond(map, bundle);
+      if (!match) continue;
+      sums[chunk] +=
+          factor(*match, bundle.mean - T_map_sensor.translation, weight_of(*match, bundle, kernel));
     }
   });
   NormalEquations total;
   for (const NormalEquations& sum : sums) total += sum;
   return total;
-}
-
-double weight_of(const Correspondence& match, const Gaussian& bundle, const RobustKernel& kernel) {
-  return std::sqrt(bundle.count) * match.occupancy * kernel.weight(match.mahalanobis_squared);
-}
-
-NormalEquations linearize(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
-                          const Pose& T_map_sensor, const RobustKernel& kernel) {
-  return sum_over_matches(map, bundles_sensor, T_map_sensor, [&](const auto& match, const auto& bundle) {
-    return factor(match, bundle.mean - T_map_sensor.translation, weight_of(match, bundle, kernel));
-  });
 }
 
 double root_mean_square_range(const std::vector<Gaussian>& bundles_sensor) {

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include <oneapi/tbb/parallel_for.h>
-
+#include <evermap/geometry/for_each_index.hpp>
 #include <evermap/localization/coarse_map.hpp>
 #include <evermap/localization/correspondence.hpp>
 #include <evermap/localization/perturbation.hpp>
@@ -43,9 +42,7 @@ std::vector<Try> offsets(const Pose& last, const RelocationParameters& p) {
 double score(const Octree& map, const std::vector<Gaussian>& bundles_sensor, const Pose& T_map_sensor) {
   double sum = 0;
   for (const Gaussian& bundle : bundles_sensor) {
-    const Eigen::Matrix3d& R = T_map_sensor.rotation;
-    const auto match =
-        correspond(map, {T_map_sensor * bundle.mean, R * bundle.covariance * R.transpose(), bundle.count});
+    const auto match = correspond(map, transform(T_map_sensor, bundle));
     if (match) sum += std::exp(-0.5 * match->mahalanobis_squared);
   }
   return sum;
@@ -92,9 +89,8 @@ Registration relocate(const Octree& map, const Scan& scan, const Pose& T_map_sen
   const Octree& view = coarse == views.end() ? map : *coarse;
   const auto bundles = bundles_in_sensor_frame(scan, view.grid().edge, lidar, kCoarseBundles);
   std::vector<Try> tries = offsets(T_map_sensor_last, parameters);
-  oneapi::tbb::parallel_for(std::size_t{0}, tries.size(), [&](std::size_t i) {
-    tries[i].score = score(view, bundles, tries[i].T_map_sensor);
-  });
+  for_each_index(tries.size(), 1,
+                 [&](std::size_t i) { tries[i].score = score(view, bundles, tries[i].T_map_sensor); });
   std::vector<Registration> found;
   for (const Pose& start : finalists(std::move(tries), parameters.finalists)) {
     found.push_back(register_coarse_to_fine(map, scan, start, lidar, registration));
