@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include <fmt/core.h>
@@ -17,7 +16,7 @@
 #include "report.hpp"
 #include "verbs.hpp"
 #include <evermap/evaluation/evermap_contender.hpp>
-#include <evermap/io/io_error.hpp>
+#include <evermap/io/atomic_file.hpp>
 #include <evermap/io/map_file.hpp>
 
 namespace evermap {
@@ -109,9 +108,7 @@ Story tell(const std::vector<Outcome>& outcomes, const std::filesystem::path& fo
 }
 
 void run(const Options& options) {
-  std::error_code error;
-  std::filesystem::create_directories(options.folder, error);
-  if (error) throw IoError(options.folder, "the folder cannot be made: " + error.message());
+  make_folder(options.folder);
   check_writable(options.folder / "after.evm");
   const ScenarioCourse course({.scenario = "yard", .survey_spacing = 0.05, .truth_spacing = 0.09}, 1);
   std::vector<Outcome> outcomes;

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
-#include <system_error>
 
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
@@ -11,7 +10,6 @@
 #include "report.hpp"
 #include "verbs.hpp"
 #include <evermap/io/atomic_file.hpp>
-#include <evermap/io/io_error.hpp>
 #include <evermap/io/map_file.hpp>
 #include <evermap/io/map_undo.hpp>
 #include <evermap/update/viewpoint.hpp>
@@ -32,9 +30,7 @@ struct Options {
 void prepare_outputs(const Options& options) {
   check_writable(options.output);
   if (options.report.empty()) return;
-  std::error_code error;
-  std::filesystem::create_directories(options.report, error);
-  if (error) throw IoError(options.report, "the folder cannot be made: " + error.message());
+  make_folder(options.report);
   check_writable(options.report / "report.json");
 }
 

@@ -130,4 +130,10 @@ void AtomicFile::fail(int error, const std::string& what) const {
   throw IoError(path_, what + ": " + std::generic_category().message(error));
 }
 
+void make_folder(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) throw IoError(path, "the folder cannot be made: " + error.message());
+}
+
 }  // namespace evermap

@@ -44,4 +44,7 @@ class AtomicFile {
   std::string buffer_;
 };
 
+/// Makes a folder and those above it, where they are missing. Throws IoError.
+void make_folder(const std::filesystem::path& path);
+
 }  // namespace evermap

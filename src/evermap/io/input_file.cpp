@@ -35,9 +35,10 @@ InputStream::InputStream(std::filesystem::path path) : path_(std::move(path)), s
   if (!stream_) fail(path_, "cannot be opened: " + std::generic_category().message(errno));
 }
 
-void InputStream::read(std::string& buffer, std::size_t size) {
-  buffer.resize(size);
-  stream_.read(buffer.data(), static_cast<std::streamsize>(size));
+void InputStream::append_to(std::string& buffer, std::size_t size) {
+  const std::size_t before = buffer.size();
+  buffer.resize(before + size);
+  stream_.read(buffer.data() + before, static_cast<std::streamsize>(size));
   if (stream_.bad()) fail(path_, "cannot be read: " + std::generic_category().message(errno));
   if (static_cast<std::size_t>(stream_.gcount()) < size) fail(path_, "became shorter while it was read");
   position_ += size;
@@ -45,7 +46,7 @@ void InputStream::read(std::string& buffer, std::size_t size) {
 
 InputFile::InputFile(std::filesystem::path path) : path_(std::move(path)) {
   InputStream stream(path_);
-  stream.read(bytes_, stream.rest());
+  stream.append_to(bytes_, stream.rest());
 }
 
 }  // namespace evermap

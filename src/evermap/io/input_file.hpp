@@ -22,9 +22,9 @@ class InputStream {
   std::uint64_t position() const { return position_; }      ///< [bytes]
   std::uint64_t rest() const { return size_ - position_; }  ///< [bytes] that follow
 
-  /// Reads the next `size` bytes into the buffer. REQUIRES: size <= rest(). Throws IoError when they cannot
-  /// be read, or are no longer there.
-  void read(std::string& buffer, std::size_t size);
+  /// Reads the next `size` bytes to the end of the buffer. REQUIRES: size <= rest(). Throws IoError when they
+  /// cannot be read, or are no longer there.
+  void append_to(std::string& buffer, std::size_t size);
 
  private:
   std::filesystem::path path_;

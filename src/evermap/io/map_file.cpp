@@ -59,17 +59,6 @@ using Checksum = std::uint64_t;
 
 Checksum checksum(std::string_view bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 
-/// Of both, one after the other.
-Checksum checksum(std::string_view first, std::string_view second) {
-  XXH3_state_t* state = XXH3_createState();
-  XXH3_64bits_reset(state);
-  XXH3_64bits_update(state, first.data(), first.size());
-  XXH3_64bits_update(state, second.data(), second.size());
-  const Checksum sum = XXH3_64bits_digest(state);
-  XXH3_freeState(state);
-  return sum;
-}
-
 template <class T>
 std::string_view bytes_of(const T& value) {
   return {reinterpret_cast<const char*>(&value), sizeof(value)};
@@ -183,7 +172,8 @@ class MapReader {
   /// Makes the next bytes of the file the section in hand.
   void next(std::size_t size) {
     offset_ = file_.position();
-    file_.read(section_, size);
+    section_.clear();
+    file_.append_to(section_, size);
   }
 
   [[noreturn]] void fail_at(std::uint64_t offset, const std::string& what) const {
@@ -222,19 +212,19 @@ class MapReader {
   void read_block(Octree& octree) {
     if (file_.rest() < sizeof(BlockHeader)) fail_in_block(file_.position(), "the file ends before it");
     next(sizeof(BlockHeader));
-    const std::string head = section_;
-    const std::uint64_t begin = offset_;
-    const auto block = take<BlockHeader>(head, 0);
-    if (block.payload_size != block.leaves * sizeof(Record)) fail_in_block(begin, "its size makes no sense");
-    if (file_.rest() < block.payload_size + sizeof(Checksum)) fail_in_block(begin, "the file ends inside it");
-    next(block.payload_size + sizeof(Checksum));
-    const std::string_view payload = std::string_view(section_).substr(0, block.payload_size);
-    if (take<Checksum>(section_, block.payload_size) != checksum(head, payload)) {
-      fail_in_block(begin, "its checksum does not fit");
+    const auto block = take<BlockHeader>(section_, 0);
+    if (block.payload_size != block.leaves * sizeof(Record))
+      fail_in_block(offset_, "its size makes no sense");
+    if (file_.rest() < block.payload_size + sizeof(Checksum))
+      fail_in_block(offset_, "the file ends inside it");
+    file_.append_to(section_, block.payload_size + sizeof(Checksum));
+    const std::size_t size = sizeof(BlockHeader) + block.payload_size;
+    if (take<Checksum>(section_, size) != checksum(std::string_view(section_).substr(0, size))) {
+      fail_in_block(offset_, "its checksum does not fit");
     }
     const bool ascends = block_ == 0 || block.key > last_block_key_;
     if (!ascends || block.key >> kBlockBits != 0 || block.leaves == 0) {
-      fail_in_block(begin, "its key or number of leaves makes no sense");
+      fail_in_block(offset_, "its key or number of leaves makes no sense");
     }
     last_block_key_ = block.key;
     read_leaves(octree, block);
@@ -243,9 +233,10 @@ class MapReader {
   void read_leaves(Octree& octree, const BlockHeader& block) const {
     std::int64_t last_key = -1;
     for (std::size_t i = 0; i < block.leaves; ++i) {
-      const auto record = take<Record>(section_, i * sizeof(Record));
+      const std::size_t at = sizeof(BlockHeader) + i * sizeof(Record);
+      const auto record = take<Record>(section_, at);
       if (record.key_in_block <= last_key || record.key_in_block >> kLeafBits != 0 || !is_sound(record)) {
-        fail_in_block(offset_ + i * sizeof(Record), "leaf " + std::to_string(i) + " makes no sense");
+        fail_in_block(offset_ + at, "leaf " + std::to_string(i) + " makes no sense");
       }
       last_key = record.key_in_block;
       octree.find_or_insert(VoxelKey(block.key << kLeafBits | record.key_in_block)) = to_leaf(record);
