@@ -150,7 +150,8 @@ double contradicting_share(const Evidence& evidence, const BundleGrid& bundles) 
 }
 
 Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters) {
-  const double error = alignment_error(octree, bundles);
+  const bool is_asked = parameters.end_guard > 0 || parameters.surface_guard == SurfaceGuard::kReobserved;
+  const double error = is_asked ? alignment_error(octree, bundles) : 0;
   Evidence evidence{find_contradictions(octree, bundles, error, parameters), {}};
   const auto& all = evidence.contradictions;
   for (std::uint32_t begin = 0; begin < all.size();) {
