@@ -11,8 +11,6 @@
 namespace evermap {
 namespace {
 
-constexpr std::size_t kRefresh = 10;  ///< scans written into a grid before its Gaussians are made anew
-
 LocalizerParameters parameters_for(const LidarParameters& lidar) {
   LocalizerParameters parameters;
   parameters.lidar = lidar;
@@ -52,7 +50,10 @@ Pilot::Pilot(Contender& contender, double edge, const Pose& start, const LidarPa
 
 const Octree& Pilot::target() {
   if (const Octree* map = contender_.gaussian_map()) return *map;
-  if (written_ % kRefresh == 0) grid_target_ = gaussians_of_grid(contender_.surface(), edge_);
+  if (outdated_by_ >= kRefresh) {
+    grid_target_ = gaussians_of_grid(contender_.surface(), edge_);
+    outdated_by_ = 0;
+  }
   return grid_target_;
 }
 
@@ -60,7 +61,7 @@ void Pilot::take(const Scan& scan, double time, const Pose& T_map_sensor_true) {
   const Localization at =
       localizer_.localize(target(), scan, time, std::nullopt, [&](const Pose& T_map_sensor) {
         contender_.update(scan, T_map_sensor);
-        ++written_;
+        ++outdated_by_;
         return std::string();
       });
   tracked_ += at.state == TrackingState::kTracking ? 1 : 0;

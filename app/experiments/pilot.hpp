@@ -28,13 +28,15 @@ class Pilot {
   Json errors() const;
 
  private:
+  static constexpr std::size_t kRefresh = 10;  ///< scans after which a grid's Gaussians are made anew
+
   const Octree& target();
 
   Contender& contender_;
   double edge_;
   Localizer localizer_;
   Octree grid_target_;
-  std::size_t written_ = 0;  ///< scans
+  std::size_t outdated_by_ = kRefresh;  ///< scans written since grid_target_ was made
   std::size_t tracked_ = 0;
   std::vector<Pose> true_, found_;
 };
