@@ -109,10 +109,7 @@ void add_localize(CLI::App& app) {
       ->type_name("SHARE")
       ->capture_default_str();
   add_undo_log_option(*verb, options->undo_log);
-  verb->add_option("--threads", options->scans.threads, "Threads to use")
-      ->check(CLI::Range(1, 1024))
-      ->type_name("N")
-      ->default_str("all cores");
+  add_threads_option(*verb, options->scans.threads);
   add_mode_option(*verb, options->parameters);
   add_range_options(*verb, options->parameters);
   add_config_option(*verb, options->parameters);

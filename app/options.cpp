@@ -51,7 +51,11 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
   verb.add_option("--poses", options.poses, "Poses of the sensor in the map, one per scan (TUM or KITTI)")
       ->required()
       ->type_name("FILE");
-  verb.add_option("--threads", options.threads, "Threads to use")
+  add_threads_option(verb, options.threads);
+}
+
+void add_threads_option(CLI::App& verb, int& threads) {
+  verb.add_option("--threads", threads, "Threads to use")
       ->check(CLI::Range(1, 1024))
       ->type_name("N")
       ->default_str("all cores");

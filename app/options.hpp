@@ -32,6 +32,7 @@ struct RunOptions {
   int threads = 0;  ///< 0: one per core
 };
 void add_run_options(CLI::App& verb, RunOptions& options);
+void add_threads_option(CLI::App& verb, int& threads);
 
 void add_leaf_option(CLI::App& verb, double& leaf);
 /// Throws std::runtime_error when the leaf edge [m] is out of range.

@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <csignal>
-#include <ctime>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
@@ -12,6 +11,7 @@
 #include <oneapi/tbb/task_arena.h>
 #include <spdlog/spdlog.h>
 
+#include "experiments/machine.hpp"
 #include "progress_bar.hpp"
 #include <evermap/io/io_error.hpp>
 
@@ -22,7 +22,6 @@ namespace {
 volatile std::sig_atomic_t g_stop_requested = 0;
 void request_stop(int) { g_stop_requested = 1; }
 
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }

@@ -4,8 +4,6 @@
 // time. The contenders take turns scan by scan, so that whatever else the machine does meets all of them
 // alike.
 #include <algorithm>
-#include <ctime>
-#include <fstream>
 #include <functional>
 #include <memory>
 #include <semaphore>
@@ -20,6 +18,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "drive.hpp"
+#include "experiments/machine.hpp"
 #include <evermap/evaluation/contender.hpp>
 
 namespace evermap {
@@ -46,12 +45,6 @@ struct Result {
 constexpr std::size_t kMostScans = 60;
 /// OctoMap needs seconds a scan when leaves are small.
 std::size_t default_scans(double leaf) { return leaf < 0.15 ? 15 : leaf < 0.3 ? 30 : kMostScans; }
-
-double cpu_milliseconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
 
 Times summarize(std::vector<double> milliseconds) {
   std::sort(milliseconds.begin(), milliseconds.end());
@@ -114,9 +107,9 @@ std::vector<Result> compete(const Contenders& contenders, const Drive& drive, st
   for (std::size_t scan = 0; scan < scans; ++scan) {
     for (std::size_t c = 0; c < contenders.size(); ++c) {
       const auto integrate = contenders[c]->prepare(drive.scans[scan], drive.T_map_sensor[scan]);
-      const double begin = cpu_milliseconds();
+      const double begin = cpu_seconds();
       lanes[c].run(integrate);
-      const double time = cpu_milliseconds() - begin;
+      const double time = 1e3 * (cpu_seconds() - begin);  // [ms]
       const bool warm = 3 * scan >= scans;  // in the first third the maps still learn the quarry
       if (warm) milliseconds[c].push_back(time);
     }
@@ -128,24 +121,8 @@ std::vector<Result> compete(const Contenders& contenders, const Drive& drive, st
   return results;
 }
 
-std::string cpu_model() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);) {
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
-  }
-  return "unknown";
-}
-
-std::string compiler() {
-#ifdef __clang__
-  return __VERSION__;
-#else
-  return "GCC " __VERSION__;
-#endif
-}
-
 nlohmann::ordered_json describe() {
-  return {{"cpu", cpu_model()},
+  return {{"cpu", processor()},
           {"compiler", compiler()},
           {"flags", EVERMAP_FLAGS},
           {"evermap", EVERMAP_VERSION},

@@ -145,6 +145,13 @@ double number(const Json& json) {
   return json.is_number() ? json.get<double>() : std::numeric_limits<double>::quiet_NaN();
 }
 
+const Json* contender_of(const Json& result, const std::string& name) {
+  for (const Json& contender : result["contenders"]) {
+    if (contender["name"] == name) return &contender;
+  }
+  return nullptr;
+}
+
 std::vector<std::string> contenders_of(const Json& result) {
   std::vector<std::string> names;
   for (const Json& contender : result["contenders"]) names.push_back(contender["name"]);

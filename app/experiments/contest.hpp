@@ -48,6 +48,9 @@ std::vector<std::unique_ptr<Contender>> usual_contenders(double leaf, const Lida
 /// The same number or NaN: JSON has no NaN and says null.
 double number(const Json& json);
 
+/// What a result says of a contender; nullptr when it was not there.
+const Json* contender_of(const Json& result, const std::string& name);
+
 /// The names of a result's contenders, in order.
 std::vector<std::string> contenders_of(const Json& result);
 

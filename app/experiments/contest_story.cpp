@@ -17,13 +17,6 @@ namespace {
 
 using Best = HtmlTable::Best;
 
-const Json* contender_of(const Json& result, const std::string& name) {
-  for (const Json& contender : result["contenders"]) {
-    if (contender["name"] == name) return &contender;
-  }
-  return nullptr;
-}
-
 /// All but the one that only timing asks for.
 std::vector<std::string> rows_of(const Json& result) {
   std::vector<std::string> names = contenders_of(result);

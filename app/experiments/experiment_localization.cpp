@@ -61,19 +61,13 @@ Unit unit_of(double leaf, const Trial& trial) {
           compute};
 }
 
-const Json& found_of(const Json& result, const std::string& name) {
-  for (const Json& contender : result["contenders"]) {
-    if (contender["name"] == name) return contender;
-  }
-  throw std::invalid_argument("no contender " + name);
-}
-
 Plot error_plot(const Json& result) {
   Plot plot{"Error of the pose", {"scan"}, {"distance [m]", true}, {}, {}, {}};
   const auto scans = result["scan_numbers"].get<std::vector<double>>();
   for (const std::string& name : contenders_of(result)) {
-    plot.series.push_back(
-        {.name = name, .x = scans, .y = found_of(result, name)["end"]["error"].get<std::vector<double>>()});
+    plot.series.push_back({.name = name,
+                           .x = scans,
+                           .y = contender_of(result, name)->at("end")["error"].get<std::vector<double>>()});
   }
   return plot;
 }

@@ -77,10 +77,8 @@ Json race(double leaf, std::size_t scans, std::uint64_t seed, const Progress& pr
 }
 
 double median_of(const Json& result, const std::string& name) {
-  for (const Json& contender : result["contenders"]) {
-    if (contender["name"] == name) return number(contender["median_ms"]);
-  }
-  return NAN;
+  const Json* contender = contender_of(result, name);
+  return contender != nullptr ? number((*contender)["median_ms"]) : NAN;
 }
 
 HtmlTable time_table(const std::vector<double>& leaves, const std::vector<Json>& results) {

@@ -18,6 +18,13 @@
 namespace evermap {
 namespace {
 
+std::string system_name() {
+  utsname name{};
+  return ::uname(&name) == 0 ? fmt::format("{} {}", name.sysname, name.release) : "unknown";
+}
+
+}  // namespace
+
 std::string processor() {
   std::ifstream info("/proc/cpuinfo");
   for (std::string line; std::getline(info, line);) {
@@ -33,13 +40,6 @@ std::string compiler() {
   return "GCC " __VERSION__;
 #endif
 }
-
-std::string system_name() {
-  utsname name{};
-  return ::uname(&name) == 0 ? fmt::format("{} {}", name.sysname, name.release) : "unknown";
-}
-
-}  // namespace
 
 std::string program_fingerprint() {
   static const std::string fingerprint = [] {

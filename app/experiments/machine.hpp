@@ -11,6 +11,9 @@ namespace evermap {
 /// Names this very build of the program.
 std::string program_fingerprint();
 
+std::string processor();
+std::string compiler();
+
 /// What figures depend on besides the method: processor, compiler, versions of libraries.
 std::vector<std::pair<std::string, std::string>> machine_facts();
 
