@@ -39,9 +39,9 @@ TEST_F(GateTest, ObjectsToAPoseFarFromThePrediction) {
   EXPECT_FALSE(passes(fitting(0.31)));
   EXPECT_TRUE(passes(fitting(0.31), 2));
   Registration turned = fitting(0);
-  turned.T_map_sensor.rotation = Eigen::AngleAxisd(0.034, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  turned.T_map_sensor.rotation = Eigen::AngleAxisd(0.052, Eigen::Vector3d::UnitY()).toRotationMatrix();
   EXPECT_TRUE(passes(turned));
-  turned.T_map_sensor.rotation = Eigen::AngleAxisd(0.036, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  turned.T_map_sensor.rotation = Eigen::AngleAxisd(0.053, Eigen::Vector3d::UnitY()).toRotationMatrix();
   EXPECT_FALSE(passes(turned));
 }
 

@@ -16,7 +16,7 @@ namespace evermap {
 struct GateParameters {
   double max_translation = 0.3;  ///< [m] from a prediction over 0.1 s, or 3 sigma of how far
                                  ///< passed scans were from theirs, if that is more
-  double max_rotation = 2 * std::numbers::pi / 180;  ///< [rad] likewise
+  double max_rotation = 3 * std::numbers::pi / 180;  ///< [rad] likewise
   double max_growth = 2;                             ///< by which 3 sigma may widen these two
   double max_residual = 3;                           ///< times the median of what passed before
   double least_inlier_share = 0.75;                  ///< times the median of what passed before
