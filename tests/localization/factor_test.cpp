@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "support/random_geometry.hpp"
@@ -33,12 +35,14 @@ TEST(Factor, GradientIsTheDerivativeOfHalfTheSum) {
     const Pose T_map_sensor{random.rotation(), random.in_cube(10)};
     const Eigen::Vector3d p_sensor = random.in_cube(20);
     const Eigen::Vector3d leaf = T_map_sensor * p_sensor + random.in_cube(0.3);
-    const Correspondence match{leaf - T_map_sensor * p_sensor, random.covariance(1, 30), 1, 1};
+    const Factor factor{{leaf, random.covariance(1, 30), 1, 1}, random.direction(), 20, 1.7};
+    const RobustKernel wide{1e6};
     const auto half_sum = [&](const Twist& step) {
       const Eigen::Vector3d e = leaf - perturb(T_map_sensor, step) * p_sensor;
-      return 0.5 * 1.7 * e.dot(match.information * e);
+      return 0.5 * 1.7 * 20 * std::pow(factor.normal.dot(e), 2);
     };
-    const NormalEquations equations = factor(match, T_map_sensor * p_sensor - T_map_sensor.translation, 1.7);
+    const NormalEquations equations =
+        factor.linearize(T_map_sensor * p_sensor, T_map_sensor.rotation * p_sensor, wide);
     for (int k = 0; k < 6; ++k) {
       const Twist step = 1e-6 * Twist::Unit(k);
       const double slope = (half_sum(step) - half_sum(-step)) / 2e-6;

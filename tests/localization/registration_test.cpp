@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <limits>
+#include <span>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -10,7 +11,7 @@
 
 #include "localization/worlds.hpp"
 #include "support/random_geometry.hpp"
-#include <evermap/localization/correspondence.hpp>
+#include <evermap/localization/factor.hpp>
 #include <evermap/localization/perturbation.hpp>
 #include <evermap/localization/registration.hpp>
 
@@ -63,7 +64,7 @@ TEST(Correspondence, IsTheNearestOfSevenVoxels) {
       if (d2 < best) best_information = M;
       best = std::min(best, d2);
     });
-    const auto match = correspond(map, bundle);
+    const auto match = correspond(map, std::span(&bundle, 1)).front();
     ASSERT_EQ(match.has_value(), std::isfinite(best));
     if (!match) continue;
     ++matched;
@@ -71,7 +72,11 @@ TEST(Correspondence, IsTheNearestOfSevenVoxels) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(best_information);
     const Eigen::Vector3d n = eigen.eigenvectors().col(2);
     const double gap = eigen.eigenvalues()[2] - eigen.eigenvalues()[1];
-    EXPECT_LT((match->information - gap * n * n.transpose()).norm(), 1e-4 * eigen.eigenvalues()[2]);
+    EXPECT_LT((match->information - best_information).norm(), 1e-9 * best_information.norm());
+    const Factor factor = make_factor(*match, 9);
+    EXPECT_LT((factor.stiffness * factor.normal * factor.normal.transpose() - gap * n * n.transpose()).norm(),
+              1e-4 * eigen.eigenvalues()[2]);
+    EXPECT_EQ(factor.trust, 3 * match->occupancy);
   }
   EXPECT_GT(matched, 20U);
 }

@@ -198,5 +198,22 @@ TEST(Condense, CovarianceStaysWithinItsBound) {
   }
 }
 
+TEST(Condense, ThinsEvenlyWhatIsMoreThanAskedFor) {
+  Random random(6);
+  const Scan scan = random_scan(random, 6000);
+  const Pose T_map_sensor = random_pose(random, Vector3d::Zero());
+  const std::vector<RayBundle> all = condense(scan, T_map_sensor, VoxelGrid{0.4}, {}).bundles();
+  ASSERT_GT(all.size(), 200U);
+  const std::vector<RayBundle> some = condense(scan, T_map_sensor, VoxelGrid{0.4}, {}, 70).bundles();
+  ASSERT_EQ(some.size(), 70U);
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    const RayBundle& same = all[i * all.size() / some.size()];
+    EXPECT_EQ(some[i].key, same.key);
+    EXPECT_EQ(some[i].points.mean, same.points.mean);
+    EXPECT_EQ(some[i].points.covariance, same.points.covariance);
+  }
+  EXPECT_EQ(condense(scan, T_map_sensor, VoxelGrid{0.4}, {}, all.size()).bundles().size(), all.size());
+}
+
 }  // namespace
 }  // namespace evermap

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -48,6 +49,16 @@ class VoxelKey {
     };
     return {axis(bits_ >> 48, 0) - kMaxXY, axis(bits_ >> 32 & 0xFFFF, 3) - kMaxXY,
             axis(bits_ >> 18 & 0x3FFF, 6) - kMaxZ};
+  }
+
+  /// The first voxel of the block that is, axis by axis, at the lesser place of both keys' blocks. No axis of
+  /// a key minus such a corner borrows from another.
+  static VoxelKey lower_corner(VoxelKey a, VoxelKey b) {
+    constexpr std::uint64_t kX = 0xFFFF000000000000U;
+    constexpr std::uint64_t kY = 0x0000FFFF00000000U;
+    constexpr std::uint64_t kZ = 0x00000000FFFC0000U;
+    return VoxelKey(std::min(a.bits_ & kX, b.bits_ & kX) | std::min(a.bits_ & kY, b.bits_ & kY) |
+                    std::min(a.bits_ & kZ, b.bits_ & kZ));
   }
 
   std::uint64_t bits() const { return bits_; }

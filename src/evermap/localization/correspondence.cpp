@@ -1,10 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <array>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <evermap/localization/correspondence.hpp>
@@ -19,26 +17,40 @@ const std::array<Eigen::Vector3i, 7>& steps() {
   return all;
 }
 
-/// What M says along its stiffest axis and nowhere else.
-Eigen::Matrix3d along_normal(const Eigen::Matrix3d& M) {
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
-  eigen.computeDirect(M);
-  const Eigen::Vector3d& lambda = eigen.eigenvalues();  // ascending
-  const Eigen::Vector3d normal = eigen.eigenvectors().col(2);
-  return (lambda[2] - std::max(0.0, lambda[1])) * normal * normal.transpose();
+/// An occupied leaf that a bundle may belong to.
+struct Candidate {
+  std::size_t bundle;
+  Eigen::Vector3i voxel;
+  const Leaf* leaf;
+};
+
+/// The candidates of all bundles, in their order.
+std::vector<Candidate> candidates(const Octree& map, std::span<const Gaussian> bundles) {
+  std::vector<Candidate> found;
+  found.reserve(4 * bundles.size());
+  for (std::size_t i = 0; i < bundles.size(); ++i) {
+    const auto voxel = map.grid().voxel(bundles[i].mean);
+    if (!voxel) continue;
+    for (const Eigen::Vector3i& step : steps()) {
+      const Eigen::Vector3i near = *voxel + step;
+      const Leaf* leaf = VoxelKey::in_range(near) ? map.find(VoxelKey::from_voxel(near)) : nullptr;
+      if (leaf != nullptr && leaf->occupied()) found.push_back({i, near, leaf});
+    }
+  }
+  return found;
 }
 
 }  // namespace
 
-std::optional<Correspondence> correspond(const Octree& map, const Gaussian& bundle) {
-  std::optional<Correspondence> best;
-  const auto voxel = map.grid().voxel(bundle.mean);
-  if (!voxel) return best;
-  for (const Eigen::Vector3i& step : steps()) {
-    const Eigen::Vector3i near = *voxel + step;
-    const Leaf* leaf = VoxelKey::in_range(near) ? map.find(VoxelKey::from_voxel(near)) : nullptr;
-    if (leaf == nullptr || !leaf->occupied()) continue;
-    const Eigen::Vector3d residual = leaf->gaussian(map.grid().center(near)).mean - bundle.mean;
+std::vector<std::optional<Correspondence>> correspond(const Octree& map, std::span<const Gaussian> bundles) {
+  std::vector<std::optional<Correspondence>> matches(bundles.size());
+  // Leaves lie all over the memory. While all are found before any is used, the processor waits for many at a
+  // time.
+  for (const auto& [i, voxel, leaf] : candidates(map, bundles)) {
+    std::optional<Correspondence>& best = matches[i];
+    const Gaussian& bundle = bundles[i];
+    const Eigen::Vector3d mean_leaf = leaf->gaussian(map.grid().center(voxel)).mean;
+    const Eigen::Vector3d residual = mean_leaf - bundle.mean;
     const Eigen::Matrix3d covariance = leaf->covariance_matrix() + bundle.covariance;
     // No eigenvalue exceeds the trace, so this is the least that e' M e can be; it spares most inverses.
     if (best && residual.squaredNorm() >= best->mahalanobis_squared * covariance.trace()) continue;
@@ -46,10 +58,9 @@ std::optional<Correspondence> correspond(const Octree& map, const Gaussian& bund
     const double mahalanobis_squared = residual.dot(information * residual);
     if (best && best->mahalanobis_squared <= mahalanobis_squared) continue;
     const double occupancy = 1 / (1 + std::exp(-static_cast<double>(leaf->log_odds)));
-    best = {residual, information, mahalanobis_squared, occupancy};
+    best = {mean_leaf, information, mahalanobis_squared, occupancy};
   }
-  if (best) best->information = along_normal(best->information);
-  return best;
+  return matches;
 }
 
 }  // namespace evermap

@@ -1,5 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+
 #include <evermap/localization/factor.hpp>
 
 namespace evermap {
@@ -22,11 +27,23 @@ Eigen::Matrix<double, 3, 6> jacobian(const Eigen::Vector3d& from_sensor) {
   return J;
 }
 
-NormalEquations factor(const Correspondence& match, const Eigen::Vector3d& from_sensor, double weight) {
-  const Eigen::Matrix<double, 3, 6> J = jacobian(from_sensor);
-  const Eigen::Matrix<double, 6, 3> wJtM = weight * J.transpose() * match.information;
-  const bool is_inlier = match.mahalanobis_squared < kChiSquared95;
-  return {wJtM * J, wJtM * match.residual, 1, is_inlier ? 1U : 0U, is_inlier ? match.mahalanobis_squared : 0};
+NormalEquations Factor::linearize(const Eigen::Vector3d& mean_map, const Eigen::Vector3d& from_sensor,
+                                  const RobustKernel& kernel) const {
+  const Eigen::Vector3d residual = match.mean_leaf - mean_map;
+  const double mahalanobis_squared = residual.dot(match.information * residual);
+  const double weight = trust * kernel.weight(mahalanobis_squared);
+  const Twist row = jacobian(from_sensor).transpose() * normal;
+  const bool is_inlier = mahalanobis_squared < kChiSquared95;
+  return {weight * stiffness * row * row.transpose(), weight * stiffness * normal.dot(residual) * row, 1,
+          is_inlier ? 1U : 0U, is_inlier ? mahalanobis_squared : 0};
+}
+
+Factor make_factor(const Correspondence& match, double count) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+  eigen.computeDirect(match.information);
+  const Eigen::Vector3d& lambda = eigen.eigenvalues();  // ascending
+  return {match, eigen.eigenvectors().col(2), lambda[2] - std::max(0.0, lambda[1]),
+          std::sqrt(count) * match.occupancy};
 }
 
 }  // namespace evermap

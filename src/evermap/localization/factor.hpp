@@ -8,15 +8,17 @@
 
 #include <evermap/geometry/pose.hpp>
 #include <evermap/localization/correspondence.hpp>
+#include <evermap/localization/robust_kernel.hpp>
 
 namespace evermap {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// What bundles say about the pose: minimize the sum of w e' M e, linearized in the twist of perturb().
+/// What bundles say about the pose: minimize the sum of w e' N e with N = stiffness normal normal'
+/// and w = trust times the robust kernel, linearized in the twist of perturb().
 struct NormalEquations {
-  Matrix6 hessian = Matrix6::Zero();  ///< sum of w J' M J
-  Twist gradient = Twist::Zero();     ///< sum of w J' M e
+  Matrix6 hessian = Matrix6::Zero();  ///< sum of w J' N J
+  Twist gradient = Twist::Zero();     ///< sum of w J' N e
   std::size_t matched = 0;            ///< bundles with a leaf
   std::size_t inliers = 0;            ///< of these, within the 95 % ellipsoid
   double inlier_error = 0;            ///< sum of their squared Mahalanobis distances
@@ -27,7 +29,26 @@ struct NormalEquations {
 /// J = de/dtwist = [-I, [r]x] for e = mu_V - mu_R, with r = mu_R - t the bundle as seen from the sensor.
 Eigen::Matrix<double, 3, 6> jacobian(const Eigen::Vector3d& from_sensor);
 
-/// One bundle's share in the equations. `from_sensor` [m]: from the sensor to the bundle, in the map's axes.
-NormalEquations factor(const Correspondence& match, const Eigen::Vector3d& from_sensor, double weight);
+/// What a leaf says about the bundle that it was matched with.
+///
+/// Of M only the stiffest axis counts, and only as far as it is stiffer than the next: a patch of surface
+/// says where it is along its normal. Within its plane two patches attract each other's means, too, but only
+/// because the voxels' walls cut the plane and the beams fell where they fell; that says nothing about the
+/// world. Measured in the yard at l = 0.2 m, from within 1 m and 10 degrees: with all of M, 52 of 100 starts
+/// missed 1 cm or 0.1 degree; with this, none of 1000.
+struct Factor {
+  Correspondence match;
+  Eigen::Vector3d normal;  ///< M's stiffest axis
+  double stiffness;        ///< lambda_3 - lambda_2 of M's eigenvalues [1/m^2]
+  double trust;            ///< sqrt(n_R) times the leaf's occupancy
+
+  /// This factor's share in the equations when the bundle's mean is `mean_map` [m]; `from_sensor` [m] leads
+  /// there from the sensor, in the map's axes.
+  NormalEquations linearize(const Eigen::Vector3d& mean_map, const Eigen::Vector3d& from_sensor,
+                            const RobustKernel& kernel) const;
+};
+
+/// REQUIRES: the bundle has `count` points.
+Factor make_factor(const Correspondence& match, double count);
 
 }  // namespace evermap

@@ -8,6 +8,7 @@
 #include <evermap/geometry/for_each_index.hpp>
 #include <evermap/localization/coarse_map.hpp>
 #include <evermap/localization/correspondence.hpp>
+#include <evermap/localization/factor.hpp>
 #include <evermap/localization/perturbation.hpp>
 #include <evermap/localization/registration.hpp>
 #include <evermap/localization/robust_kernel.hpp>
@@ -19,27 +20,47 @@ namespace {
 constexpr double kLeastBundleEdge = 0.4;  ///< [m]
 constexpr std::size_t kChunk = 256;       ///< bundles per task; fixed, so that sums do not depend on threads
 
-double weight_of(const Correspondence& match, const Gaussian& bundle, const RobustKernel& kernel) {
-  return std::sqrt(bundle.count) * match.occupancy * kernel.weight(match.mahalanobis_squared);
+using Factors = std::vector<std::optional<Factor>>;  ///< one a bundle, none where it is off the map
+
+Factors match(const Octree& map, const std::vector<Gaussian>& bundles_sensor, const Pose& T_map_sensor) {
+  Factors factors(bundles_sensor.size());
+  for_each_index((factors.size() + kChunk - 1) / kChunk, 1, [&](std::size_t chunk) {
+    const std::size_t begin = chunk * kChunk;
+    const std::size_t end = std::min(factors.size(), begin + kChunk);
+    std::vector<Gaussian> bundles;
+    bundles.reserve(kChunk);
+    for (std::size_t i = begin; i < end; ++i) bundles.push_back(transform(T_map_sensor, bundles_sensor[i]));
+    const auto matches = correspond(map, bundles);
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto& match = matches[i - begin];
+      if (match) factors[i] = make_factor(*match, bundles_sensor[i].count);
+    }
+  });
+  return factors;
 }
 
-/// The factors of all bundles, joined in order.
-NormalEquations linearize(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
+/// The equations of all factors, joined in order.
+NormalEquations linearize(const Factors& factors, const std::vector<Gaussian>& bundles_sensor,
                           const Pose& T_map_sensor, const RobustKernel& kernel) {
-  std::vector<NormalEquations> sums((bundles_sensor.size() + kChunk - 1) / kChunk);
+  std::vector<NormalEquations> sums((factors.size() + kChunk - 1) / kChunk);
   for_each_index(sums.size(), 1, [&](std::size_t chunk) {
-    const std::size_t end = std::min(bundles_sensor.size(), (chunk + 1) * kChunk);
+    const std::size_t end = std::min(factors.size(), (chunk + 1) * kChunk);
     for (std::size_t i = chunk * kChunk; i < end; ++i) {
-      const Gaussian bundle = transform(T_map_sensor, bundles_sensor[i]);
-      const auto match = correspond(map, bundle);
-      if (!match) continue;
-      sums[chunk] +=
-          factor(*match, bundle.mean - T_map_sensor.translation, weight_of(*match, bundle, kernel));
+      if (!factors[i]) continue;
+      const Eigen::Vector3d from_sensor = T_map_sensor.rotation * bundles_sensor[i].mean;
+      sums[chunk] += factors[i]->linearize(T_map_sensor.translation + from_sensor, from_sensor, kernel);
     }
   });
   NormalEquations total;
   for (const NormalEquations& sum : sums) total += sum;
   return total;
+}
+
+/// Whether a pose has moved so far that bundles may belong to other leaves.
+bool is_far(const Twist& since_matched) {
+  constexpr double kTranslation = 0.01;  // [m]
+  constexpr double kRotation = 5e-4;     // [rad]
+  return since_matched.head<3>().norm() > kTranslation || since_matched.tail<3>().norm() > kRotation;
 }
 
 double root_mean_square_range(const std::vector<Gaussian>& bundles_sensor) {
@@ -60,12 +81,11 @@ RegistrationOutcome judge(const Registration& registration, std::size_t matched,
 
 std::vector<Gaussian> bundles_in_sensor_frame(const Scan& scan, double edge, const LidarParameters& lidar,
                                               std::size_t max_bundles) {
-  const BundleGrid grid = condense(scan, Pose{}, VoxelGrid{.edge = std::max(edge, kLeastBundleEdge)}, lidar);
-  const std::vector<RayBundle>& all = grid.bundles();
-  const std::size_t count = std::min(all.size(), max_bundles);
+  const VoxelGrid grid{.edge = std::max(edge, kLeastBundleEdge)};
+  const BundleGrid condensed = condense(scan, Pose{}, grid, lidar, max_bundles);
   std::vector<Gaussian> bundles;
-  bundles.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) bundles.push_back(all[i * all.size() / count].points);
+  bundles.reserve(condensed.bundles().size());
+  for (const RayBundle& bundle : condensed.bundles()) bundles.push_back(bundle.points);
   return bundles;
 }
 
@@ -76,9 +96,15 @@ Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bu
   if (bundles_sensor.size() < parameters.least_matches) return result;
   RobustKernel kernel{parameters.first_kernel_width};
   NormalEquations equations;
+  Factors factors;
+  Pose T_map_matched;
   bool settled = false;
   while (!settled && result.iterations < parameters.termination.max_iterations) {
-    equations = linearize(map, bundles_sensor, result.T_map_sensor, kernel);
+    if (factors.empty() || is_far(difference(T_map_matched, result.T_map_sensor))) {
+      T_map_matched = result.T_map_sensor;
+      factors = match(map, bundles_sensor, T_map_matched);
+    }
+    equations = linearize(factors, bundles_sensor, result.T_map_sensor, kernel);
     const Twist step = solve(equations, parameters.damping);
     result.T_map_sensor = perturb(result.T_map_sensor, step);
     settled = kernel.width == parameters.last_kernel_width && parameters.termination.is_settled(step);

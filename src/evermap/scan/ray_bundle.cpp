@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <span>
 #include <utility>
 
@@ -13,63 +14,83 @@ namespace {
 
 constexpr std::size_t kGrain = 1024;  ///< points or bundles per task
 
-enum class Use : std::uint8_t { kTaken, kNear, kFar, kOutOfGrid };
-
-struct KeyedPoint {
+/// Points of the scan that follow one another in one voxel.
+struct Run {
   VoxelKey key;
-  std::uint32_t index;  ///< in the scan
-  Use use;
+  std::uint32_t begin, end;  ///< indices in the scan
 };
 
-KeyedPoint key_of(const Eigen::Vector3d& p_sensor, std::uint32_t index, const Pose& T_map_sensor,
-                  const VoxelGrid& grid, const LidarParameters& lidar) {
-  const double range_squared = p_sensor.squaredNorm();
-  if (range_squared < lidar.min_range * lidar.min_range) return {{}, index, Use::kNear};
-  if (range_squared > lidar.max_range * lidar.max_range) return {{}, index, Use::kFar};
-  const auto key = grid.key(T_map_sensor * p_sensor);
-  if (!key) return {{}, index, Use::kOutOfGrid};
-  return {*key, index, Use::kTaken};
-}
+/// What a stretch of the scan's points comes to.
+struct Stretch {
+  std::vector<Run> runs;
+  std::size_t dropped_near = 0;
+  std::size_t dropped_far = 0;
+  std::size_t dropped_out_of_grid = 0;
+};
 
-/// Sorts by key; points of one key keep their order. (Radix sort, from the lowest digit up.)
-void sort_by_key(std::vector<KeyedPoint>& points) {
-  constexpr int kDigits = 6;
-  constexpr int kBits = 11;
-  constexpr std::size_t kBuckets = std::size_t{1} << kBits;
-  const auto bucket = [](const KeyedPoint& point, int digit) {
-    return static_cast<std::size_t>(point.key.bits() >> (digit * kBits)) & (kBuckets - 1);
-  };
-  std::vector<std::array<std::uint32_t, kBuckets>> begin(kDigits);  // first the sizes of the buckets
-  for (const KeyedPoint& point : points) {
-    for (int digit = 0; digit < kDigits; ++digit) {
-      ++begin[static_cast<std::size_t>(digit)][bucket(point, digit)];
+Stretch runs_of(const Scan& scan, std::uint32_t begin, std::uint32_t end, const Pose& T_map_sensor,
+                const VoxelGrid& grid, const LidarParameters& lidar) {
+  Stretch stretch;
+  stretch.runs.reserve(end - begin);
+  for (std::uint32_t i = begin; i < end; ++i) {
+    const Eigen::Vector3d& p_sensor = scan.p_sensor[i];
+    const double range_squared = p_sensor.squaredNorm();
+    if (range_squared < lidar.min_range * lidar.min_range) {
+      ++stretch.dropped_near;
+    } else if (range_squared > lidar.max_range * lidar.max_range) {
+      ++stretch.dropped_far;
+    } else if (const auto key = grid.key(T_map_sensor * p_sensor); !key) {
+      ++stretch.dropped_out_of_grid;
+    } else if (!stretch.runs.empty() && stretch.runs.back().key == *key && stretch.runs.back().end == i) {
+      ++stretch.runs.back().end;
+    } else {
+      stretch.runs.push_back({*key, i, i + 1});
     }
   }
-  std::vector<KeyedPoint> sorted(points.size());
-  for (int digit = 0; digit < kDigits; ++digit) {
-    auto& next = begin[static_cast<std::size_t>(digit)];
-    if (next[bucket(points.front(), digit)] == points.size()) continue;  // all in one bucket
+  return stretch;
+}
+
+/// Sorts by key; runs of one key keep their order. (Radix sort, from the lowest digit up.)
+void sort_by_key(std::vector<Run>& runs) {
+  constexpr int kBits = 11;
+  constexpr std::size_t kBuckets = std::size_t{1} << kBits;
+  // A scan spans few blocks. Counted from the lowest one, most of their bits are zero and need no digit.
+  VoxelKey corner = runs.front().key;
+  for (const Run& run : runs) corner = VoxelKey::lower_corner(corner, run.key);
+  const auto offset = [corner](const Run& run) { return run.key.bits() - corner.bits(); };
+  std::uint64_t bits = 0;
+  for (const Run& run : runs) bits |= offset(run);
+  std::vector<Run> sorted(runs.size());
+  for (int shift = 0; shift < 64 && bits >> shift != 0; shift += kBits) {
+    shift += std::countr_zero(bits >> shift);
+    const auto bucket = [&](const Run& run) {
+      return static_cast<std::size_t>(offset(run) >> shift) & (kBuckets - 1);
+    };
+    std::array<std::uint32_t, kBuckets> next{};  // first the sizes of the buckets
+    for (const Run& run : runs) ++next[bucket(run)];
     std::uint32_t sum = 0;
     for (std::uint32_t& entry : next) sum += std::exchange(entry, sum);
-    for (const KeyedPoint& point : points) sorted[next[bucket(point, digit)]++] = point;
-    points.swap(sorted);
+    for (const Run& run : runs) sorted[next[bucket(run)]++] = run;
+    runs.swap(sorted);
   }
 }
 
-RayBundle bundle_of(std::span<const KeyedPoint> points, const Scan& scan, const Pose& T_map_sensor,
+RayBundle bundle_of(std::span<const Run> runs, const Scan& scan, const Pose& T_map_sensor,
                     const VoxelGrid& grid, double thickness) {
   // Moments about the voxel's centre, where coordinates are small and sums lose nothing; in scalars, since
   // the compiler keeps those in registers.
-  const Eigen::Vector3d center_map = grid.center(points.front().key);
-  double x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-  for (const KeyedPoint& point : points) {
-    const Eigen::Vector3d p = T_map_sensor * scan.p_sensor[point.index] - center_map;
-    x += p.x(), y += p.y(), z += p.z();
-    xx += p.x() * p.x(), xy += p.x() * p.y(), xz += p.x() * p.z();
-    yy += p.y() * p.y(), yz += p.y() * p.z(), zz += p.z() * p.z();
+  const Eigen::Vector3d center_map = grid.center(runs.front().key);
+  double x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0, count = 0;
+  for (const Run& run : runs) {
+    count += run.end - run.begin;
+    for (std::uint32_t i = run.begin; i < run.end; ++i) {
+      const Eigen::Vector3d p = T_map_sensor * scan.p_sensor[i] - center_map;
+      x += p.x(), y += p.y(), z += p.z();
+      xx += p.x() * p.x(), xy += p.x() * p.y(), xz += p.x() * p.z();
+      yy += p.y() * p.y(), yz += p.y() * p.z(), zz += p.z() * p.z();
+    }
   }
   constexpr double kPriorPoints = 2;  // n0: as much trust in the sensor's noise as in two points
-  const auto count = static_cast<double>(points.size());
   const double prior = kPriorPoints * thickness * thickness;
   Eigen::Matrix3d S;
   S << xx - x * x / count + prior, xy - x * y / count, xz - x * z / count,  //
@@ -80,7 +101,7 @@ RayBundle bundle_of(std::span<const KeyedPoint> points, const Scan& scan, const 
   const double floor = thickness * thickness / 4;
   // The prior alone keeps bundles of few points above the floor.
   if (prior < floor * (count + kPriorPoints)) S = floor_eigenvalues(S, floor);
-  return {points.front().key, {mean, S, count}};
+  return {runs.front().key, {mean, S, count}};
 }
 
 }  // namespace
@@ -96,31 +117,38 @@ const RayBundle* BundleGrid::find(VoxelKey key) const {
 }
 
 BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid& grid,
-                    const LidarParameters& lidar) {
+                    const LidarParameters& lidar, std::size_t max_bundles) {
   BundleGrid result;
   result.origin_map = T_map_sensor.translation;
-  std::vector<KeyedPoint> points(scan.p_sensor.size());
-  for_each_index(points.size(), kGrain, [&](std::size_t i) {
-    points[i] = key_of(scan.p_sensor[i], static_cast<std::uint32_t>(i), T_map_sensor, grid, lidar);
+  const auto count = static_cast<std::uint32_t>(scan.p_sensor.size());
+  std::vector<Stretch> stretches((count + kGrain - 1) / kGrain);
+  for_each_index(stretches.size(), 1, [&](std::size_t i) {
+    const auto begin = static_cast<std::uint32_t>(i * kGrain);
+    stretches[i] =
+        runs_of(scan, begin, std::min<std::uint32_t>(count, begin + kGrain), T_map_sensor, grid, lidar);
   });
-  std::array<std::size_t, 4> used{};
-  for (const KeyedPoint& point : points) ++used[static_cast<std::size_t>(point.use)];
-  result.dropped_near = used[static_cast<std::size_t>(Use::kNear)];
-  result.dropped_far = used[static_cast<std::size_t>(Use::kFar)];
-  result.dropped_out_of_grid = used[static_cast<std::size_t>(Use::kOutOfGrid)];
-  std::erase_if(points, [](const KeyedPoint& point) { return point.use != Use::kTaken; });
-  if (points.empty()) return result;
-
-  sort_by_key(points);
-  std::vector<std::size_t> begin;  // of each voxel's points
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (i == 0 || points[i].key != points[i - 1].key) begin.push_back(i);
+  std::vector<Run> runs;
+  runs.reserve(count);
+  for (const Stretch& stretch : stretches) {
+    result.dropped_near += stretch.dropped_near;
+    result.dropped_far += stretch.dropped_far;
+    result.dropped_out_of_grid += stretch.dropped_out_of_grid;
+    runs.insert(runs.end(), stretch.runs.begin(), stretch.runs.end());
   }
-  begin.push_back(points.size());
+  if (runs.empty()) return result;
+
+  sort_by_key(runs);
+  std::vector<std::size_t> begin;  // of each voxel's runs
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (i == 0 || runs[i].key != runs[i - 1].key) begin.push_back(i);
+  }
+  begin.push_back(runs.size());
   const double thickness = least_thickness(lidar, grid);
-  result.bundles_.resize(begin.size() - 1);
+  const std::size_t voxels = begin.size() - 1;
+  result.bundles_.resize(std::min(voxels, max_bundles));
   for_each_index(result.bundles_.size(), kGrain, [&](std::size_t i) {
-    const auto in_voxel = std::span(points).subspan(begin[i], begin[i + 1] - begin[i]);
+    const std::size_t voxel = i * voxels / result.bundles_.size();
+    const auto in_voxel = std::span(runs).subspan(begin[voxel], begin[voxel + 1] - begin[voxel]);
     result.bundles_[i] = bundle_of(in_voxel, scan, T_map_sensor, grid, thickness);
   });
   return result;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <evermap/geometry/gaussian.hpp>
@@ -41,7 +42,7 @@ class BundleGrid {
   std::size_t dropped_out_of_grid = 0;                   ///< points beyond the range of keys
 
  private:
-  friend BundleGrid condense(const Scan&, const Pose&, const VoxelGrid&, const LidarParameters&);
+  friend BundleGrid condense(const Scan&, const Pose&, const VoxelGrid&, const LidarParameters&, std::size_t);
 
   std::vector<RayBundle> bundles_;
 };
@@ -50,10 +51,12 @@ class BundleGrid {
 ///
 /// The covariance is shrunk towards the sensor's noise, S = (scatter + n0 s0^2 I) / (n + n0) with n0 = 2 and
 /// s0 = max(range_sigma, 0.02 l), and its eigenvalues are floored at (s0 / 2)^2, so that bundles of one or
-/// two points and exact planes stay invertible. Runs in parallel in the caller's TBB arena, with the same
+/// two points and exact planes stay invertible. Of more than `max_bundles`, as many are made, evenly spread
+/// over the keys. Runs in parallel in the caller's TBB arena, with the same
 /// result for any number of threads.
 BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid& grid,
-                    const LidarParameters& lidar);
+                    const LidarParameters& lidar,
+                    std::size_t max_bundles = std::numeric_limits<std::size_t>::max());
 
 /// The thickness s0 [m] that a surface has at least, for this sensor and voxel size.
 double least_thickness(const LidarParameters& lidar, const VoxelGrid& grid);

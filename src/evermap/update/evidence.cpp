@@ -27,24 +27,42 @@ double free_share(const Ray& ray, const Gaussian& bundle, double error, const Up
   return 1 - std::max(parameters.end_guard * error, noise) / length;
 }
 
-/// Who contradicts the leaves of one brick, sorted by leaf.
-void gather(const Octree& octree, const BundleGrid& bundles, const RayFan& fan, const PlacedBrick& brick,
-            const UpdateParameters& parameters, std::vector<Contradiction>& found) {
+/// A ray that passes through a leaf.
+struct Meeting {
+  VoxelKey key;
+  const Leaf* leaf;
+  std::uint32_t bundle;
+  RayFan::Target target;
+};
+
+/// Who contradicts the leaves of these bricks, sorted by leaf.
+std::vector<Contradiction> gather(const Octree& octree, const BundleGrid& bundles, const RayFan& fan,
+                                  std::span<const PlacedBrick> bricks, const UpdateParameters& parameters) {
+  // Leaves lie all over the memory: those that will be judged are asked for while others are still looked
+  // for.
+  std::vector<Meeting> meetings;
+  for (const PlacedBrick& brick : bricks) {
+    fan.for_each_met(brick,
+                     [&](std::uint32_t index, const RayFan::Target& target, VoxelKey key, const Leaf& leaf) {
+                       __builtin_prefetch(&leaf);
+                       meetings.push_back({key, &leaf, index, target});
+                     });
+  }
   // A hit voxel takes no miss; it is looked at all the same when its geometry may be trimmed.
   const bool trims = parameters.difference != Difference::kNone;
-  const auto begin = static_cast<std::ptrdiff_t>(found.size());
-  fan.for_each_met(
-      brick, [&](std::uint32_t index, const RayFan::Target& target, VoxelKey key, const Leaf& leaf) {
-        const RayBundle& bundle = bundles.bundles()[index];
-        const Ray ray{bundles.origin_map, target.end_map};
-        const double value =
-            impact(octree.gaussian(key, leaf), ray, bundle.points.covariance, target.until, parameters);
-        if (value <= 0 || key == bundle.key || (!trims && bundles.find(key) != nullptr)) return;
-        found.push_back({key, index, static_cast<float>(value)});
-      });
-  std::sort(found.begin() + begin, found.end(), [](const Contradiction& a, const Contradiction& b) {
+  std::vector<Contradiction> found;
+  for (const Meeting& met : meetings) {
+    const RayBundle& bundle = bundles.bundles()[met.bundle];
+    const Ray ray{bundles.origin_map, met.target.end_map};
+    const double value = impact(octree.gaussian(met.key, *met.leaf), ray, bundle.points.covariance,
+                                met.target.until, parameters);
+    if (value <= 0 || met.key == bundle.key || (!trims && bundles.find(met.key) != nullptr)) continue;
+    found.push_back({met.key, met.bundle, static_cast<float>(value)});
+  }
+  std::sort(found.begin(), found.end(), [](const Contradiction& a, const Contradiction& b) {
     return a.leaf != b.leaf ? a.leaf < b.leaf : a.bundle < b.bundle;
   });
+  return found;
 }
 
 /// All contradictions, sorted by leaf. Chunks have a fixed size and are joined in order, whoever worked on
@@ -61,10 +79,9 @@ std::vector<Contradiction> find_contradictions(const Octree& octree, const Bundl
   const std::vector<PlacedBrick> bricks = octree.bricks_in(fan.voxels());
   std::vector<std::vector<Contradiction>> found((bricks.size() + kGrain - 1) / kGrain);
   for_each_index(found.size(), 1, [&](std::size_t chunk) {
-    const std::size_t end = std::min(bricks.size(), (chunk + 1) * kGrain);
-    for (std::size_t i = chunk * kGrain; i < end; ++i) {
-      gather(octree, bundles, fan, bricks[i], parameters, found[chunk]);
-    }
+    const std::size_t begin = chunk * kGrain;
+    const auto some = std::span(bricks).subspan(begin, std::min(kGrain, bricks.size() - begin));
+    found[chunk] = gather(octree, bundles, fan, some, parameters);
   });
   std::vector<Contradiction> all;
   for (const auto& chunk : found) all.insert(all.end(), chunk.begin(), chunk.end());
