@@ -188,6 +188,12 @@ Glance glance_of(const std::string& where, const Json& result) {
 
 /// The outcome in a sentence or two.
 std::string verdict(const Glance& g) {
+  if (!std::isfinite(g.octomap_kept)) {
+    return fmt::format(
+        "evermap kept {:.1f} % of the surface that did not change and erased {:.1f} % of what was "
+        "gone; map and truth were {:.3f} m apart (AHD).",
+        100 * g.evermap_kept, 100 * g.evermap_erased, g.evermap_apart);
+  }
   std::string text =
       fmt::format("Of the surface that did not change, OctoMap kept {:.1f} %, evermap {:.1f} %.",
                   100 * g.octomap_kept, 100 * g.evermap_kept);
