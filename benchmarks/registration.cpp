@@ -5,6 +5,7 @@
 // off. One thread. Making the target (our map is at hand; theirs must be made from its points) is not
 // counted.
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include <benchmark/benchmark.h>
@@ -88,9 +89,10 @@ Octree map_of_survey(double edge) {
   return map;
 }
 
-void evermap_registration(benchmark::State& state) {
+void evermap_registration(benchmark::State& state, std::size_t max_bundles) {
   const Octree map = map_of_survey(edge_of(state));
-  const RegistrationParameters parameters;
+  RegistrationParameters parameters;
+  parameters.max_bundles = max_bundles;
   run(state, [&](std::size_t i) {
     const auto bundles =
         bundles_in_sensor_frame(setting().scans[i], map.grid().edge, {}, parameters.max_bundles);
@@ -159,7 +161,9 @@ void leaf_edges(benchmark::internal::Benchmark* benchmark) {
   benchmark->Iterations(kScans);
 }
 
-BENCHMARK(evermap_registration)->Apply(leaf_edges);
+BENCHMARK_CAPTURE(evermap_registration, default, RegistrationParameters{}.max_bundles)->Apply(leaf_edges);
+BENCHMARK_CAPTURE(evermap_registration, all_bundles, std::numeric_limits<std::size_t>::max())
+    ->Apply(leaf_edges);
 BENCHMARK(evermap_coarse_to_fine)->Apply(leaf_edges);
 #ifdef EVERMAP_HAS_PCL
 BENCHMARK(pcl_ndt)->Apply(leaf_edges);
