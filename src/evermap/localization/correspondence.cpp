@@ -17,7 +17,7 @@ const std::array<Eigen::Vector3i, 7>& steps() {
   return all;
 }
 
-/// An occupied leaf that a bundle may belong to.
+/// A leaf that a bundle may belong to.
 struct Candidate {
   std::size_t bundle;
   Eigen::Vector3i voxel;
@@ -34,7 +34,9 @@ std::vector<Candidate> candidates(const Octree& map, std::span<const Gaussian> b
     for (const Eigen::Vector3i& step : steps()) {
       const Eigen::Vector3i near = *voxel + step;
       const Leaf* leaf = VoxelKey::in_range(near) ? map.find(VoxelKey::from_voxel(near)) : nullptr;
-      if (leaf != nullptr && leaf->occupied()) found.push_back({i, near, leaf});
+      if (leaf == nullptr) continue;
+      __builtin_prefetch(leaf);
+      found.push_back({i, near, leaf});
     }
   }
   return found;
@@ -44,9 +46,9 @@ std::vector<Candidate> candidates(const Octree& map, std::span<const Gaussian> b
 
 std::vector<std::optional<Correspondence>> correspond(const Octree& map, std::span<const Gaussian> bundles) {
   std::vector<std::optional<Correspondence>> matches(bundles.size());
-  // Leaves lie all over the memory. While all are found before any is used, the processor waits for many at a
-  // time.
+  // Leaves lie all over the memory. All are asked for before any is used.
   for (const auto& [i, voxel, leaf] : candidates(map, bundles)) {
+    if (!leaf->occupied()) continue;
     std::optional<Correspondence>& best = matches[i];
     const Gaussian& bundle = bundles[i];
     const Eigen::Vector3d mean_leaf = leaf->gaussian(map.grid().center(voxel)).mean;

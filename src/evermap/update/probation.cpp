@@ -1,12 +1,19 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <utility>
+
 #include <evermap/update/probation.hpp>
 
 namespace evermap {
 
 void Probation::begin_scan() {
-  scans_.emplace_back();
-  if (scans_.size() > capacity_) scans_.pop_front();
+  std::vector<BeforeImage> images;
+  if (scans_.size() >= capacity_ && !scans_.empty()) {
+    images.swap(scans_.front());  // for its memory
+    images.clear();
+    scans_.pop_front();
+  }
+  if (capacity_ > 0) scans_.push_back(std::move(images));
 }
 
 void Probation::remember(const Octree& octree, VoxelKey key) {
