@@ -64,7 +64,7 @@ std::vector<Gaussian> bundles_in_sensor_frame(const Scan& scan, double edge, con
 ///
 /// Minimizes the sum of w e' M e over the bundles, e = mu_V - T mu_R, M = (S_V + R S_R R')^-1 as far as
 /// Factor counts it, with w the square root of the bundle's points times the leaf's occupancy times the
-/// robust kernel. Bundles are matched anew only when the pose has moved by a centimetre since they were.
+/// robust kernel. Bundles are matched anew only when the pose has moved by a millimetre since they were.
 /// Reads the map only; runs in parallel in the caller's TBB arena, with the same result for any number of
 /// threads.
 Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
