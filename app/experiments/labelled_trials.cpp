@@ -14,8 +14,8 @@
 namespace evermap {
 namespace {
 
-constexpr double kStillThere = 0.1;  // [m] from a point of the last scans
-constexpr double kMinRange = 2.5;    // [m] the vehicle's own roof
+constexpr double kStillThere = 0.03;  // [m] from a point of the last scans; farther may be another car
+constexpr double kMinRange = 2.5;     // [m] the vehicle's own roof
 
 }  // namespace
 
