@@ -18,7 +18,7 @@ ContestRules rules_for(const Setup& setup, double leaf) {
 
 Unit street(const Setup& setup, double leaf) {
   const ScenarioChoice choice{.scenario = "street",
-                              .scans = setup.is_quick ? 24 : 220,
+                              .scans = setup.is_quick ? 16 : 220,
                               .survey_spacing = leaf < 0.3 ? 0.05 : 0.1,
                               .truth_spacing = setup.is_quick ? 0.31 : 0.17,
                               .area = {Eigen::Vector2d(-105, -40), Eigen::Vector2d(105, 40)},

@@ -41,11 +41,11 @@ ScenarioChoice choice(const Round& round, bool is_quick) {
   const std::size_t every = round.field == Field::kNoGrids ? 1 : is_short || is_quick ? 3 : 2;
   return {.scenario = "quarry",
           .every = every,
-          .scans = is_quick   ? 24
+          .scans = is_quick   ? 15
                    : is_short ? 210
                               : 600,
           .survey_spacing = round.leaf < 0.3 ? 0.07 : 0.1,
-          .truth_spacing = is_quick ? 0.37 : 0.23,
+          .truth_spacing = is_quick ? 0.47 : 0.23,
           .area = {Eigen::Vector2d(-110, -90), Eigen::Vector2d(110, 100)},
           .view = {Eigen::Vector2d(-60, -48), Eigen::Vector2d(60, 44)}};
 }

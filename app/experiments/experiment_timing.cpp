@@ -156,7 +156,7 @@ Plot time_plot(const std::vector<double>& leaves, const std::vector<Json>& resul
 
 Experiment experiment_timing(const Setup& setup) {
   const std::vector<double> leaves = !setup.leaves.empty() ? setup.leaves
-                                     : setup.is_quick      ? std::vector{1.0, 0.6}
+                                     : setup.is_quick      ? std::vector{1.0, 0.8}
                                                            : std::vector{1.0, 0.8, 0.6, 0.4, 0.2, 0.1};
   Experiment experiment{"timing", {}, {}, {}};
   for (const double leaf : leaves) {
