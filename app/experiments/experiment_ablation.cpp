@@ -80,7 +80,7 @@ const std::vector<World>& worlds() {
 ScenarioChoice choice_of(const std::string& world, double leaf, bool is_quick) {
   const double spacing = leaf < 0.3 ? 0.07 : 0.1;
   if (world == "yard")
-    return {.scenario = "yard", .scans = is_quick ? 20 : 60, .survey_spacing = 0.05, .truth_spacing = 0.09};
+    return {.scenario = "yard", .scans = is_quick ? 10 : 60, .survey_spacing = 0.05, .truth_spacing = 0.09};
   if (world == "still") {
     return {.scenario = "yard",
             .scans = is_quick ? 20 : 100,

@@ -18,7 +18,7 @@ constexpr const char* kRedlight = "kitti_redlight_standstill";
 
 Unit passing(const Setup& setup, double leaf) {
   const ScenarioChoice choice{.scenario = "passing",
-                              .every = setup.is_quick ? 24U : 1U,
+                              .every = setup.is_quick ? 40U : 1U,
                               .survey_spacing = leaf < 0.3 ? 0.05 : 0.1,
                               .truth_spacing = setup.is_quick ? 0.31 : 0.17,
                               .area = {Eigen::Vector2d(-45, -25), Eigen::Vector2d(45, 25)}};

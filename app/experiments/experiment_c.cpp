@@ -41,7 +41,7 @@ ScenarioChoice choice(const Round& round, bool is_quick) {
   const std::size_t every = round.field == Field::kNoGrids ? 1 : is_short || is_quick ? 3 : 2;
   return {.scenario = "quarry",
           .every = every,
-          .scans = is_quick   ? 15
+          .scans = is_quick   ? 12
                    : is_short ? 210
                               : 600,
           .survey_spacing = round.leaf < 0.3 ? 0.07 : 0.1,
