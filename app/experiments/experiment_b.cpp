@@ -153,7 +153,7 @@ Experiment experiment_b(const Setup& setup) {
       const bool is_real = units[i].name.starts_with("b_redlight");
       const double leaf = units[i].settings["leaf"];
       const std::string data =
-          fmt::format("{}, leaf {} m", is_real ? "real red light (KITTI)" : "simulated street", leaf);
+          fmt::format("{}, leaf {} m", is_real ? "real red light (KITTI)" : "simulated standstill", leaf);
       const std::vector<Passage> passages = passages_of(results[i]);
       Telling telling{
           .curves = {{"ACC l", "ACC within l"}, {"COV l", "COV within l"}},
