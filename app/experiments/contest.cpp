@@ -133,12 +133,17 @@ Json hold_contest(const Course& course, std::vector<std::unique_ptr<Contender>> 
   return contest.finish();
 }
 
-std::vector<std::unique_ptr<Contender>> usual_contenders(double leaf, const LidarParameters& lidar) {
+std::vector<std::unique_ptr<Contender>> contenders_named(const std::vector<std::string>& names, double leaf,
+                                                         const LidarParameters& lidar) {
   std::vector<std::unique_ptr<Contender>> contenders;
-  for (const std::string& name : contender_names()) {
-    if (name != "OctoMap, voxel means") contenders.push_back(make_contender(name, leaf, lidar));
-  }
+  for (const std::string& name : names) contenders.push_back(make_contender(name, leaf, lidar));
   return contenders;
+}
+
+std::vector<std::unique_ptr<Contender>> usual_contenders(double leaf, const LidarParameters& lidar) {
+  std::vector<std::string> names = contender_names();
+  std::erase(names, "OctoMap, voxel means");
+  return contenders_named(names, leaf, lidar);
 }
 
 double number(const Json& json) {

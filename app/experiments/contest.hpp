@@ -42,6 +42,10 @@ struct ContestRules {
 Json hold_contest(const Course& course, std::vector<std::unique_ptr<Contender>> contenders,
                   const ContestRules& rules, const Progress& progress);
 
+/// The contenders of these names (contender_names); null where one is not installed.
+std::vector<std::unique_ptr<Contender>> contenders_named(const std::vector<std::string>& names, double leaf,
+                                                         const LidarParameters& lidar);
+
 /// All contenders that can be had, but those that only timing asks for.
 std::vector<std::unique_ptr<Contender>> usual_contenders(double leaf, const LidarParameters& lidar);
 

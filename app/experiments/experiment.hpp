@@ -14,6 +14,10 @@
 
 namespace evermap {
 
+/// Folders of the real drives.
+inline constexpr const char* kDrive = "kitti_0005_drive";
+inline constexpr const char* kRedlight = "kitti_redlight_standstill";
+
 /// How experiments are to be run.
 struct Setup {
   std::filesystem::path data;  ///< folder of the real drives; empty or absent: they are left out

@@ -10,8 +10,6 @@
 namespace evermap {
 namespace {
 
-constexpr const char* kDrive = "kitti_0005_drive";
-
 ContestRules rules_for(const Setup& setup, double leaf) {
   return {.leaf = leaf, .measurements = setup.is_quick ? 3U : 11U, .has_picture = true};
 }

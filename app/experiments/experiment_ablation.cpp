@@ -18,9 +18,6 @@
 namespace evermap {
 namespace {
 
-constexpr const char* kDrive = "kitti_0005_drive";
-constexpr const char* kRedlight = "kitti_redlight_standstill";
-
 struct Rule {
   std::string name;
   UpdateParameters parameters;

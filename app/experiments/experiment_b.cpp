@@ -14,8 +14,6 @@
 namespace evermap {
 namespace {
 
-constexpr const char* kRedlight = "kitti_redlight_standstill";
-
 Unit passing(const Setup& setup, double leaf) {
   const ScenarioChoice choice{.scenario = "passing",
                               .every = setup.is_quick ? 40U : 1U,

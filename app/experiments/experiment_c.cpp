@@ -17,28 +17,22 @@ namespace {
 
 constexpr std::size_t kLateScans = 50;  ///< of the scenario: the pile is measured where they observed it
 
-/// Who drives how much of the loop.
-enum class Field {
-  kAll,      ///< all contenders, thinned out: OctoMap needs seconds for each scan of the pit
-  kNoGrids,  ///< without the grid mappers, all of the loop at 10 Hz
-};
-
 struct Round {
-  Field field;
-  double leaf;  ///< [m]
+  bool has_grids;  ///< then scans are left out, since OctoMap needs seconds for each; else all at 10 Hz
+  double leaf;     ///< [m]
 
   /// Also of the files that its figures are drawn to.
-  std::string name() const { return fmt::format("c_{}_{}", field == Field::kAll ? "quarry" : "loop", leaf); }
+  std::string name() const { return fmt::format("c_{}_{}", has_grids ? "quarry" : "loop", leaf); }
   std::string data() const {
-    return fmt::format("quarry, {}leaf {} m", field == Field::kAll ? "" : "whole loop at 10 Hz, ", leaf);
+    return fmt::format("quarry, {}leaf {} m", has_grids ? "" : "whole loop at 10 Hz, ", leaf);
   }
 };
 
 ScenarioChoice choice(const Round& round, bool is_quick) {
   // Scans farther apart than every third would see what has changed too seldom to contradict it, so that
   // where leaves are small the grids' run is shorter instead.
-  const bool is_short = round.field == Field::kAll && round.leaf < 0.3;
-  const std::size_t every = round.field == Field::kNoGrids ? 1 : is_short || is_quick ? 3 : 2;
+  const bool is_short = round.has_grids && round.leaf < 0.3;
+  const std::size_t every = !round.has_grids ? 1 : is_short || is_quick ? 3 : 2;
   return {.scenario = "quarry",
           .every = every,
           .scans = is_quick   ? 12
@@ -51,12 +45,8 @@ ScenarioChoice choice(const Round& round, bool is_quick) {
 }
 
 std::vector<std::unique_ptr<Contender>> drivers(const Round& round, const LidarParameters& lidar) {
-  if (round.field == Field::kAll) return usual_contenders(round.leaf, lidar);
-  std::vector<std::unique_ptr<Contender>> contenders;
-  for (const char* name : {"static map", "evermap paper", kEvermap}) {
-    contenders.push_back(make_contender(name, round.leaf, lidar));
-  }
-  return contenders;
+  if (round.has_grids) return usual_contenders(round.leaf, lidar);
+  return contenders_named({"static map", "evermap paper", kEvermap}, round.leaf, lidar);
 }
 
 /// Mean distance [m] to the true surface of the map's points near a pile's surface that was observed of late.
@@ -123,9 +113,9 @@ void set_aims(Story& story, const std::string& data, const Json& result) {
 
 Experiment experiment_c(const Setup& setup) {
   std::vector<Round> rounds;
-  for (const double leaf : leaves_of(setup)) rounds.push_back({Field::kAll, leaf});
+  for (const double leaf : leaves_of(setup)) rounds.push_back({true, leaf});
   if (!setup.is_quick) {
-    for (const double leaf : leaves_of(setup)) rounds.push_back({Field::kNoGrids, leaf});
+    for (const double leaf : leaves_of(setup)) rounds.push_back({false, leaf});
   }
   Experiment experiment{"c", {}, {}, {}};
   for (const Round& round : rounds) experiment.units.push_back(unit_of(setup, round));

@@ -23,8 +23,6 @@ struct Trial {
   bool is_real;      ///< the real drive of experiment A in its outdated map, or the quarry
 };
 
-constexpr const char* kDrive = "kitti_0005_drive";
-
 std::vector<Trial> trials_of(const Setup& setup) {
   if (setup.is_quick)
     return {{"localization_all", "quarry, one stretch", setup.seed, 24, false, true, false}};
@@ -58,13 +56,8 @@ std::unique_ptr<Course> course_of(const Setup& setup, const Trial& trial) {
 Unit unit_of(const Setup& setup, double leaf, const Trial& trial) {
   const auto compute = [=](const Progress& progress) {
     const std::unique_ptr<Course> course = course_of(setup, trial);
-    std::vector<std::unique_ptr<Contender>> contenders;
-    if (trial.has_all) {
-      contenders = usual_contenders(leaf, course->lidar);
-    } else {
-      for (const char* name : {"static map", kEvermap})
-        contenders.push_back(make_contender(name, leaf, course->lidar));
-    }
+    auto contenders = trial.has_all ? usual_contenders(leaf, course->lidar)
+                                    : contenders_named({"static map", kEvermap}, leaf, course->lidar);
     const ContestRules rules{.leaf = leaf, .measurements = 6, .finds_poses = trial.finds_poses};
     return hold_contest(*course, std::move(contenders), rules, progress);
   };

@@ -40,11 +40,9 @@ Unit unit_of(const Setup& setup, double leaf, const Variant& variant, std::size_
                               .area = {Eigen::Vector2d(-80, -70), Eigen::Vector2d(80, 60)}};
   const auto compute = [=](const Progress& progress) {
     const ScenarioCourse course(choice, variant.seed);
-    std::vector<std::unique_ptr<Contender>> contenders;
-    for (const char* name : {"OctoMap", "evermap default"})
-      contenders.push_back(make_contender(name, leaf, course.lidar));
     const PoseNoise noise{variant.translation, variant.degrees * std::numbers::pi / 180, variant.seed};
-    return hold_contest(course, std::move(contenders), {.leaf = leaf, .noise = noise}, progress);
+    return hold_contest(course, contenders_named({kOctoMap, kEvermap}, leaf, course.lidar),
+                        {.leaf = leaf, .noise = noise}, progress);
   };
   return {fmt::format("robustness_{}", index + 1),
           {{"leaf", leaf},

@@ -64,7 +64,7 @@ TEST(Correspondence, IsTheNearestOfSevenVoxels) {
       if (d2 < best) best_information = M;
       best = std::min(best, d2);
     });
-    const auto match = correspond(map, std::span(&bundle, 1)).front();
+    const auto match = correspond(map, std::span(&bundle, 1), Pose{}).front();
     ASSERT_EQ(match.has_value(), std::isfinite(best));
     if (!match) continue;
     ++matched;

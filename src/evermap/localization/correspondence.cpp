@@ -44,7 +44,12 @@ std::vector<Candidate> candidates(const Octree& map, std::span<const Gaussian> b
 
 }  // namespace
 
-std::vector<std::optional<Correspondence>> correspond(const Octree& map, std::span<const Gaussian> bundles) {
+std::vector<std::optional<Correspondence>> correspond(const Octree& map,
+                                                      std::span<const Gaussian> bundles_sensor,
+                                                      const Pose& T_map_sensor) {
+  std::vector<Gaussian> bundles;
+  bundles.reserve(bundles_sensor.size());
+  for (const Gaussian& bundle : bundles_sensor) bundles.push_back(transform(T_map_sensor, bundle));
   std::vector<std::optional<Correspondence>> matches(bundles.size());
   // Leaves lie all over the memory. All are asked for before any is used.
   for (const auto& [i, voxel, leaf] : candidates(map, bundles)) {

@@ -20,7 +20,9 @@ struct Correspondence {
 };
 
 /// Of each bundle the occupied leaf that is nearest by Mahalanobis distance, among the bundle's own voxel and
-/// the six that share a face with it; none when all are empty. `bundles` are in the map frame.
-std::vector<std::optional<Correspondence>> correspond(const Octree& map, std::span<const Gaussian> bundles);
+/// the six that share a face with it; none when all are empty.
+std::vector<std::optional<Correspondence>> correspond(const Octree& map,
+                                                      std::span<const Gaussian> bundles_sensor,
+                                                      const Pose& T_map_sensor);
 
 }  // namespace evermap

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <Eigen/LU>
 
@@ -27,10 +28,7 @@ Factors match(const Octree& map, const std::vector<Gaussian>& bundles_sensor, co
   for_each_index((factors.size() + kChunk - 1) / kChunk, 1, [&](std::size_t chunk) {
     const std::size_t begin = chunk * kChunk;
     const std::size_t end = std::min(factors.size(), begin + kChunk);
-    std::vector<Gaussian> bundles;
-    bundles.reserve(kChunk);
-    for (std::size_t i = begin; i < end; ++i) bundles.push_back(transform(T_map_sensor, bundles_sensor[i]));
-    const auto matches = correspond(map, bundles);
+    const auto matches = correspond(map, std::span(bundles_sensor).subspan(begin, end - begin), T_map_sensor);
     for (std::size_t i = begin; i < end; ++i) {
       const auto& match = matches[i - begin];
       if (match) factors[i] = make_factor(*match, bundles_sensor[i].count);

@@ -40,11 +40,8 @@ std::vector<Try> offsets(const Pose& last, const RelocationParameters& p) {
 
 /// How much of the scan lies on the map, in [0, bundles].
 double score(const Octree& map, const std::vector<Gaussian>& bundles_sensor, const Pose& T_map_sensor) {
-  std::vector<Gaussian> bundles;
-  bundles.reserve(bundles_sensor.size());
-  for (const Gaussian& bundle : bundles_sensor) bundles.push_back(transform(T_map_sensor, bundle));
   double sum = 0;
-  for (const auto& match : correspond(map, bundles)) {
+  for (const auto& match : correspond(map, bundles_sensor, T_map_sensor)) {
     if (match) sum += std::exp(-0.5 * match->mahalanobis_squared);
   }
   return sum;

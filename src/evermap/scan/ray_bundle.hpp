@@ -52,8 +52,8 @@ class BundleGrid {
 /// The covariance is shrunk towards the sensor's noise, S = (scatter + n0 s0^2 I) / (n + n0) with n0 = 2 and
 /// s0 = max(range_sigma, 0.02 l), and its eigenvalues are floored at (s0 / 2)^2, so that bundles of one or
 /// two points and exact planes stay invertible. Of more than `max_bundles`, as many are made, evenly spread
-/// over the keys. Runs in parallel in the caller's TBB arena, with the same
-/// result for any number of threads.
+/// over the keys. Runs in parallel in the caller's TBB arena, with the same result for any number of
+/// threads.
 BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid& grid,
                     const LidarParameters& lidar,
                     std::size_t max_bundles = std::numeric_limits<std::size_t>::max());
