@@ -104,9 +104,10 @@ std::vector<Meeting> meetings_of(const Octree& octree, const BundleGrid& bundles
   const RayFan fan(octree.grid(), bundles.origin_map, targets);
   std::vector<Meeting> meetings;
   for (const PlacedBrick& brick : octree.bricks_in(fan.voxels())) {
-    fan.for_each_met(brick, [&](std::uint32_t, const RayFan::Target& target, VoxelKey key, const Leaf& leaf) {
-      meetings.push_back({key, &leaf, {bundles.origin_map, target.end_map}});
-    });
+    fan.for_each_met(brick, brick.brick->mask(),
+                     [&](std::uint32_t, const RayFan::Target& target, VoxelKey key, const Leaf& leaf) {
+                       meetings.push_back({key, &leaf, {bundles.origin_map, target.end_map}});
+                     });
   }
   return meetings;
 }

@@ -66,6 +66,24 @@ TEST(Octree, BehavesLikeAMap) {
   expect_equal(octree, twin);
 }
 
+TEST(LeafFinder, FindsWhatTheOctreeFinds) {
+  Random random(3);
+  Octree octree(VoxelGrid{0.2});
+  std::vector<VoxelKey> keys;
+  for (int i = 0; i < 3000; ++i) keys.push_back(random_key(random));
+  for (const VoxelKey key : keys) octree.find_or_insert(key);
+  for (int i = 0; i < 3000; ++i) keys.push_back(random_key(random));  // most have no leaf
+  for (const bool in_order : {false, true}) {
+    if (in_order) std::sort(keys.begin(), keys.end());
+    LeafFinder leaves(octree);
+    LeafFinder const_leaves(std::as_const(octree));
+    for (const VoxelKey key : keys) {
+      EXPECT_EQ(leaves.find(key), octree.find(key));
+      EXPECT_EQ(const_leaves.find(key), octree.find(key));
+    }
+  }
+}
+
 TEST(Octree, EmptyNodesVanish) {
   Random random(2);
   Octree octree(VoxelGrid{0.2});

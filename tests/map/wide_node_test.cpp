@@ -86,5 +86,22 @@ TEST(WideNode, BordersOfWords) {
   expect_equal(node, twin);
 }
 
+TEST(Mask512, BoundsAreTheLeastBox) {
+  Random random(2);
+  for (int i = 0; i < 2000; ++i) {
+    Mask512 mask;
+    EXPECT_TRUE(mask.empty());
+    Eigen::AlignedBox3i expected;
+    for (int set = random.integer(1, 12); set > 0; --set) {
+      const Eigen::Vector3i at(random.integer(0, 7), random.integer(0, 7), random.integer(0, 7));
+      mask.set(at.z() << 6 | at.y() << 3 | at.x());
+      expected.extend(at);
+    }
+    EXPECT_FALSE(mask.empty());
+    EXPECT_EQ(mask.bounds().min(), expected.min());
+    EXPECT_EQ(mask.bounds().max(), expected.max());
+  }
+}
+
 }  // namespace
 }  // namespace evermap

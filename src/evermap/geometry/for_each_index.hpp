@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 #include <oneapi/tbb/blocked_range.h>
@@ -17,6 +18,17 @@ void for_each_index(std::size_t count, std::size_t grain, const Work& work) {
                             [&work](const oneapi::tbb::blocked_range<std::size_t>& range) {
                               for (std::size_t i = range.begin(); i != range.end(); ++i) work(i);
                             });
+}
+
+/// How many chunks for_each_chunk makes.
+inline std::size_t chunks(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
+
+/// Calls work(chunk, begin, end) for every stretch of `size` indices below `count`, the last one being
+/// shorter, in parallel. Chunks do not depend on the number of threads.
+template <class Work>
+void for_each_chunk(std::size_t count, std::size_t size, const Work& work) {
+  for_each_index(chunks(count, size), 1,
+                 [&](std::size_t chunk) { work(chunk, chunk * size, std::min(count, (chunk + 1) * size)); });
 }
 
 }  // namespace evermap

@@ -63,6 +63,7 @@ class VoxelKey {
 
   std::uint64_t bits() const { return bits_; }
   std::uint64_t block() const { return bits_ >> 18; }
+  std::uint64_t brick() const { return bits_ >> 9; }  ///< the same for all voxels of one brick
   int brick_in_block() const { return static_cast<int>(bits_ >> 9 & 511); }
   int voxel_in_brick() const { return static_cast<int>(bits_ & 511); }
 

@@ -28,12 +28,13 @@ struct Candidate {
 std::vector<Candidate> candidates(const Octree& map, std::span<const Gaussian> bundles) {
   std::vector<Candidate> found;
   found.reserve(4 * bundles.size());
+  LeafFinder finder(map);
   for (std::size_t i = 0; i < bundles.size(); ++i) {
     const auto voxel = map.grid().voxel(bundles[i].mean);
     if (!voxel) continue;
     for (const Eigen::Vector3i& step : steps()) {
       const Eigen::Vector3i near = *voxel + step;
-      const Leaf* leaf = VoxelKey::in_range(near) ? map.find(VoxelKey::from_voxel(near)) : nullptr;
+      const Leaf* leaf = VoxelKey::in_range(near) ? finder.find(VoxelKey::from_voxel(near)) : nullptr;
       if (leaf == nullptr) continue;
       __builtin_prefetch(leaf);
       found.push_back({i, near, leaf});

@@ -25,9 +25,7 @@ using Factors = std::vector<std::optional<Factor>>;  ///< one a bundle, none whe
 
 Factors match(const Octree& map, const std::vector<Gaussian>& bundles_sensor, const Pose& T_map_sensor) {
   Factors factors(bundles_sensor.size());
-  for_each_index((factors.size() + kChunk - 1) / kChunk, 1, [&](std::size_t chunk) {
-    const std::size_t begin = chunk * kChunk;
-    const std::size_t end = std::min(factors.size(), begin + kChunk);
+  for_each_chunk(factors.size(), kChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
     const auto matches = correspond(map, std::span(bundles_sensor).subspan(begin, end - begin), T_map_sensor);
     for (std::size_t i = begin; i < end; ++i) {
       const auto& match = matches[i - begin];
@@ -40,10 +38,9 @@ Factors match(const Octree& map, const std::vector<Gaussian>& bundles_sensor, co
 /// The equations of all factors, joined in order.
 NormalEquations linearize(const Factors& factors, const std::vector<Gaussian>& bundles_sensor,
                           const Pose& T_map_sensor, const RobustKernel& kernel) {
-  std::vector<NormalEquations> sums((factors.size() + kChunk - 1) / kChunk);
-  for_each_index(sums.size(), 1, [&](std::size_t chunk) {
-    const std::size_t end = std::min(factors.size(), (chunk + 1) * kChunk);
-    for (std::size_t i = chunk * kChunk; i < end; ++i) {
+  std::vector<NormalEquations> sums(chunks(factors.size(), kChunk));
+  for_each_chunk(factors.size(), kChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
       if (!factors[i]) continue;
       const Eigen::Vector3d from_sensor = T_map_sensor.rotation * bundles_sensor[i].mean;
       sums[chunk] += factors[i]->linearize(T_map_sensor.translation + from_sensor, from_sensor, kernel);

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -25,12 +26,8 @@ struct PlacedBrick {
   VoxelKey first;          ///< key of its lowest voxel
   Eigen::Vector3i corner;  ///< its lowest voxel
 
-  /// The least box of voxels around its leaves.
-  Eigen::AlignedBox3i leaf_bounds() const { return brick->bounds().translate(corner); }
-  /// REQUIRES: the voxel is in the brick.
-  VoxelKey key(const Eigen::Vector3i& voxel) const {
-    return VoxelKey(first.bits() | static_cast<std::uint64_t>((voxel.z() & 7) << 6 | (voxel.y() & 7) << 3 |
-                                                              (voxel.x() & 7)));
+  VoxelKey key(int voxel_in_brick) const {
+    return VoxelKey(first.bits() | static_cast<std::uint64_t>(voxel_in_brick));
   }
 };
 
@@ -57,9 +54,15 @@ class Octree {
     const auto found = blocks_.find(block_key);
     return found == blocks_.end() ? nullptr : &found->second;
   }
-  const Leaf* find(VoxelKey key) const {
+  /// The brick that holds this voxel, if it holds any leaf.
+  const Brick* find_brick(VoxelKey key) const {
     const Block* block = find_block(key.block());
-    const Brick* brick = block ? block->find(key.brick_in_block()) : nullptr;
+    return block ? block->find(key.brick_in_block()) : nullptr;
+  }
+  Brick* find_brick(VoxelKey key) { return const_cast<Brick*>(std::as_const(*this).find_brick(key)); }
+
+  const Leaf* find(VoxelKey key) const {
+    const Brick* brick = find_brick(key);
     return brick ? brick->find(key.voxel_in_brick()) : nullptr;
   }
   Leaf* find(VoxelKey key) { return const_cast<Leaf*>(std::as_const(*this).find(key)); }
@@ -108,6 +111,29 @@ class Octree {
   VoxelGrid grid_;
   std::unordered_map<std::uint64_t, Block, BlockHash> blocks_;
   std::size_t leaf_count_ = 0;
+};
+
+/// Finds leaves one after the other, and fast where they follow one another in a brick. Becomes invalid when
+/// a leaf is inserted or erased. `Map` is Octree or const Octree. Not thread safe: one for each task.
+template <class Map>
+class LeafFinder {
+ public:
+  explicit LeafFinder(Map& map) : map_(map) {}
+
+  auto find(VoxelKey key) {
+    if (key.brick() != at_) {
+      at_ = key.brick();
+      brick_ = map_.find_brick(key);
+    }
+    return brick_ ? brick_->find(key.voxel_in_brick()) : nullptr;
+  }
+
+ private:
+  static constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
+
+  Map& map_;
+  std::uint64_t at_ = kNowhere;
+  decltype(std::declval<Map&>().find_brick(VoxelKey())) brick_ = nullptr;
 };
 
 }  // namespace evermap

@@ -42,18 +42,19 @@ class RayFan {
   /// A box around all voxels that the rays pass through; empty when there is no ray.
   const Eigen::AlignedBox3i& voxels() const { return voxels_; }
 
-  /// Visits each leaf of the brick that a ray meets: `visit(index, target, key, leaf)`. Rays come in a fixed
-  /// order, the leaves of a ray front to back.
+  /// Visits each of these leaves of a brick that a ray meets: `visit(index, target, key, leaf)`. Rays come in
+  /// a fixed order, the leaves of a ray front to back. REQUIRES: the brick has the leaves.
   template <class Visit>
-  void for_each_met(const PlacedBrick& placed, Visit&& visit) const {
-    const Eigen::AlignedBox3i bounds = placed.leaf_bounds();
+  void for_each_met(const PlacedBrick& placed, const Mask512& leaves, Visit&& visit) const {
+    if (leaves.empty()) return;
+    const Eigen::AlignedBox3i bounds = leaves.bounds().translate(placed.corner);
     const Eigen::AlignedBox3d box(bounds.min().cast<double>() - origin_,
                                   (bounds.max().array() + 1).matrix().cast<double>() - origin_);
     for (const Cells& cells : cells_of(box)) {
       for (std::size_t row = cells.first_row; row < cells.last_row; ++row) {
         const std::size_t end = cell_begin_[row * kColumns + cells.last_column];
         for (std::size_t i = cell_begin_[row * kColumns + cells.first_column]; i < end; ++i) {
-          if (may_cross(rays_[i], box)) meet(rays_[i], placed, bounds, visit);
+          if (may_cross(rays_[i], box)) meet(rays_[i], placed, leaves, bounds, visit);
         }
       }
     }
@@ -95,8 +96,8 @@ class RayFan {
   }
 
   template <class Visit>
-  void meet(const FanRay& ray, const PlacedBrick& placed, const Eigen::AlignedBox3i& bounds,
-            Visit&& visit) const {
+  void meet(const FanRay& ray, const PlacedBrick& placed, const Mask512& leaves,
+            const Eigen::AlignedBox3i& bounds, Visit&& visit) const {
     VoxelWalk walk({origin_, ray.inverse}, start_);
     if (!bounds.contains(start_)) {
       const VoxelWalk::Crossing entry = walk.entry_into(bounds);
@@ -104,9 +105,9 @@ class RayFan {
       walk.leap(entry);
     }
     for (; walk.entry() <= ray.target.until && bounds.contains(walk.voxel()); walk.step()) {
-      const VoxelKey key = placed.key(walk.voxel());
-      const Leaf* leaf = placed.brick->find(key.voxel_in_brick());
-      if (leaf != nullptr) visit(ray.index, ray.target, key, *leaf);
+      const Eigen::Vector3i& v = walk.voxel();
+      const int index = (v.z() & 7) << 6 | (v.y() & 7) << 3 | (v.x() & 7);
+      if (leaves.has(index)) visit(ray.index, ray.target, placed.key(index), *placed.brick->find(index));
     }
   }
 

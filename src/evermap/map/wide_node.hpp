@@ -14,54 +14,25 @@
 
 namespace evermap {
 
-/// Three levels of an octree folded into one node: up to 512 children, of which only the existing ones are
-/// stored, packed in the order of their index.
-///
-///   mask   8 x 64 bit   bit i of word i / 64 is set when child i exists
-///   rank   8 x 16 bit   children before each word, so that a child is found by one popcount
-///   items  children in the order of set bits
-///
-/// Class invariant: rank[w] = popcount of mask[0..w-1]; items.size() = popcount of the whole mask.
-template <class Child>
-class WideNode {
+/// A set of positions in 8 x 8 x 8: bit i of word i / 64 stands for i = z << 6 | y << 3 | x.
+class Mask512 {
  public:
-  static constexpr int kChildren = 512;
-
-  const Child* find(int index) const { return has(index) ? &items_[position(index)] : nullptr; }
-  Child* find(int index) { return has(index) ? &items_[position(index)] : nullptr; }
-  bool has(int index) const { return mask_[word(index)] >> (index & 63) & 1; }
-
-  Child& find_or_insert(int index) {
-    const std::size_t at = position(index);
-    if (has(index)) return items_[at];
-    mask_[word(index)] |= std::uint64_t{1} << (index & 63);
-    update_ranks();
-    // Grown by a quarter, not doubled: most of a map's memory is here.
-    if (items_.size() == items_.capacity()) items_.reserve(items_.size() + 1 + items_.size() / 4);
-    return *items_.insert(items_.begin() + static_cast<std::ptrdiff_t>(at), Child{});
+  bool has(int index) const { return words_[word(index)] >> (index & 63) & 1; }
+  void set(int index) { words_[word(index)] |= std::uint64_t{1} << (index & 63); }
+  void reset(int index) { words_[word(index)] &= ~(std::uint64_t{1} << (index & 63)); }
+  std::uint64_t layer(int z) const { return words_[static_cast<std::size_t>(z)]; }
+  bool empty() const {
+    return std::all_of(words_.begin(), words_.end(), [](std::uint64_t layer) { return layer == 0; });
   }
 
-  void erase(int index) {
-    if (!has(index)) return;
-    items_.erase(items_.begin() + static_cast<std::ptrdiff_t>(position(index)));
-    mask_[word(index)] &= ~(std::uint64_t{1} << (index & 63));
-    update_ranks();
-  }
-
-  bool empty() const { return items_.empty(); }
-  std::size_t size() const { return items_.size(); }
-  std::size_t capacity() const { return items_.capacity(); }
-
-  /// The least box of positions (x, y, z) in [0, 8)^3 around all children, whose index is z << 6 | y << 3 |
-  /// x. REQUIRES: there are some.
+  /// The least box of positions around all that are set. REQUIRES: there are some.
   Eigen::AlignedBox3i bounds() const {
     std::uint64_t slice = 0;  // all layers seen from above: bit y << 3 | x
     int bottom = 8;
     int top = 0;
     for (int z = 0; z < 8; ++z) {
-      const std::uint64_t layer = mask_[static_cast<std::size_t>(z)];
-      if (layer == 0) continue;
-      slice |= layer;
+      if (layer(z) == 0) continue;
+      slice |= layer(z);
       bottom = std::min(bottom, z);
       top = z;
     }
@@ -72,32 +43,76 @@ class WideNode {
             Eigen::Vector3i(63 - std::countl_zero(row), (63 - std::countl_zero(slice)) / 8, top)};
   }
 
+ private:
+  static std::size_t word(int index) { return static_cast<std::size_t>(index) >> 6; }
+
+  std::array<std::uint64_t, 8> words_{};
+};
+
+/// Three levels of an octree folded into one node: up to 512 children, of which only the existing ones are
+/// stored, packed in the order of their index.
+///
+///   mask   8 x 64 bit   which children exist
+///   rank   8 x 16 bit   children below each layer, so that a child is found by one popcount
+///   items  children in the order of set bits
+///
+/// Class invariant: rank[z] = popcount of the layers below z; items.size() = popcount of the whole mask.
+template <class Child>
+class WideNode {
+ public:
+  static constexpr int kChildren = 512;
+
+  const Child* find(int index) const { return has(index) ? &items_[position(index)] : nullptr; }
+  Child* find(int index) { return has(index) ? &items_[position(index)] : nullptr; }
+  bool has(int index) const { return mask_.has(index); }
+  const Mask512& mask() const { return mask_; }
+
+  Child& find_or_insert(int index) {
+    const std::size_t at = position(index);
+    if (has(index)) return items_[at];
+    mask_.set(index);
+    update_ranks();
+    // Grown by a quarter, not doubled: most of a map's memory is here.
+    if (items_.size() == items_.capacity()) items_.reserve(items_.size() + 1 + items_.size() / 4);
+    return *items_.insert(items_.begin() + static_cast<std::ptrdiff_t>(at), Child{});
+  }
+
+  void erase(int index) {
+    if (!has(index)) return;
+    items_.erase(items_.begin() + static_cast<std::ptrdiff_t>(position(index)));
+    mask_.reset(index);
+    update_ranks();
+  }
+
+  bool empty() const { return items_.empty(); }
+  std::size_t size() const { return items_.size(); }
+  std::size_t capacity() const { return items_.capacity(); }
+
   /// Calls visit(index, child) in the order of indices.
   template <class Visit>
   void for_each(Visit&& visit) const {
     auto item = items_.begin();
-    for (int w = 0; w < 8; ++w) {
-      for (std::uint64_t bits = mask_[static_cast<std::size_t>(w)]; bits != 0; bits &= bits - 1) {
-        visit(64 * w + std::countr_zero(bits), *item++);
+    for (int z = 0; z < 8; ++z) {
+      for (std::uint64_t bits = mask_.layer(z); bits != 0; bits &= bits - 1) {
+        visit(64 * z + std::countr_zero(bits), *item++);
       }
     }
   }
 
  private:
-  static std::size_t word(int index) { return static_cast<std::size_t>(index) >> 6; }
-
   std::size_t position(int index) const {
-    const std::uint64_t below = mask_[word(index)] & ((std::uint64_t{1} << (index & 63)) - 1);
-    return rank_[word(index)] + static_cast<std::size_t>(std::popcount(below));
+    const std::uint64_t below = mask_.layer(index >> 6) & ((std::uint64_t{1} << (index & 63)) - 1);
+    return rank_[static_cast<std::size_t>(index) >> 6] + static_cast<std::size_t>(std::popcount(below));
   }
 
   void update_ranks() {
-    for (std::size_t w = 1; w < 8; ++w) {
-      rank_[w] = static_cast<std::uint16_t>(rank_[w - 1] + std::popcount(mask_[w - 1]));
+    for (int z = 1; z < 8; ++z) {
+      const auto at = static_cast<std::size_t>(z);
+      rank_[at] = static_cast<std::uint16_t>(rank_[at - 1] + std::popcount(mask_.layer(z - 1)));
     }
   }
 
-  std::array<std::uint64_t, 8> mask_{};
+  Mask512 mask_;
   std::array<std::uint16_t, 8> rank_{};
   std::vector<Child> items_;
 };

@@ -28,11 +28,11 @@ struct Stretch {
   std::size_t dropped_out_of_grid = 0;
 };
 
-Stretch runs_of(const Scan& scan, std::uint32_t begin, std::uint32_t end, const Pose& T_map_sensor,
+Stretch runs_of(const Scan& scan, std::size_t begin, std::size_t end, const Pose& T_map_sensor,
                 const VoxelGrid& grid, const LidarParameters& lidar) {
   Stretch stretch;
   stretch.runs.reserve(end - begin);
-  for (std::uint32_t i = begin; i < end; ++i) {
+  for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
     const Eigen::Vector3d& p_sensor = scan.p_sensor[i];
     const double range_squared = p_sensor.squaredNorm();
     if (range_squared < lidar.min_range * lidar.min_range) {
@@ -120,12 +120,10 @@ BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid&
                     const LidarParameters& lidar, std::size_t max_bundles) {
   BundleGrid result;
   result.origin_map = T_map_sensor.translation;
-  const auto count = static_cast<std::uint32_t>(scan.p_sensor.size());
-  std::vector<Stretch> stretches((count + kGrain - 1) / kGrain);
-  for_each_index(stretches.size(), 1, [&](std::size_t i) {
-    const auto begin = static_cast<std::uint32_t>(i * kGrain);
-    stretches[i] =
-        runs_of(scan, begin, std::min<std::uint32_t>(count, begin + kGrain), T_map_sensor, grid, lidar);
+  const std::size_t count = scan.p_sensor.size();
+  std::vector<Stretch> stretches(chunks(count, kGrain));
+  for_each_chunk(count, kGrain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+    stretches[chunk] = runs_of(scan, begin, end, T_map_sensor, grid, lidar);
   });
   std::vector<Run> runs;
   runs.reserve(count);

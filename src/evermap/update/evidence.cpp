@@ -35,28 +35,51 @@ struct Meeting {
   RayFan::Target target;
 };
 
+/// The leaves of bricks, in ascending order, that the scan did not hit.
+class Unhit {
+ public:
+  Unhit(const BundleGrid& bundles, VoxelKey first)
+      : next_(std::lower_bound(bundles.bundles().begin(), bundles.bundles().end(), first,
+                               [](const RayBundle& bundle, VoxelKey key) { return bundle.key < key; })),
+        end_(bundles.bundles().end()) {}
+
+  /// REQUIRES: the brick lies behind the one of the call before.
+  Mask512 of(const PlacedBrick& brick) {
+    Mask512 leaves = brick.brick->mask();
+    const VoxelKey last = brick.key(Brick::kChildren - 1);
+    for (; next_ != end_ && next_->key <= last; ++next_) {
+      if (next_->key >= brick.first) leaves.reset(next_->key.voxel_in_brick());
+    }
+    return leaves;
+  }
+
+ private:
+  std::vector<RayBundle>::const_iterator next_, end_;
+};
+
 /// Who contradicts the leaves of these bricks, sorted by leaf.
 std::vector<Contradiction> gather(const Octree& octree, const BundleGrid& bundles, const RayFan& fan,
                                   std::span<const PlacedBrick> bricks, const UpdateParameters& parameters) {
   // Leaves lie all over the memory: those that will be judged are asked for while others are still looked
   // for.
   std::vector<Meeting> meetings;
+  // A hit leaf takes no miss; it is looked at all the same when its geometry may be trimmed.
+  const bool trims = parameters.difference != Difference::kNone;
+  Unhit unhit(bundles, bricks.front().first);
   for (const PlacedBrick& brick : bricks) {
-    fan.for_each_met(brick,
+    fan.for_each_met(brick, trims ? brick.brick->mask() : unhit.of(brick),
                      [&](std::uint32_t index, const RayFan::Target& target, VoxelKey key, const Leaf& leaf) {
                        __builtin_prefetch(&leaf);
                        meetings.push_back({key, &leaf, index, target});
                      });
   }
-  // A hit voxel takes no miss; it is looked at all the same when its geometry may be trimmed.
-  const bool trims = parameters.difference != Difference::kNone;
   std::vector<Contradiction> found;
   for (const Meeting& met : meetings) {
     const RayBundle& bundle = bundles.bundles()[met.bundle];
     const Ray ray{bundles.origin_map, met.target.end_map};
     const double value = impact(octree.gaussian(met.key, *met.leaf), ray, bundle.points.covariance,
                                 met.target.until, parameters);
-    if (value <= 0 || met.key == bundle.key || (!trims && bundles.find(met.key) != nullptr)) continue;
+    if (value <= 0 || met.key == bundle.key) continue;
     found.push_back({met.key, met.bundle, static_cast<float>(value)});
   }
   std::sort(found.begin(), found.end(), [](const Contradiction& a, const Contradiction& b) {
@@ -77,11 +100,9 @@ std::vector<Contradiction> find_contradictions(const Octree& octree, const Bundl
   }
   const RayFan fan(octree.grid(), bundles.origin_map, targets);
   const std::vector<PlacedBrick> bricks = octree.bricks_in(fan.voxels());
-  std::vector<std::vector<Contradiction>> found((bricks.size() + kGrain - 1) / kGrain);
-  for_each_index(found.size(), 1, [&](std::size_t chunk) {
-    const std::size_t begin = chunk * kGrain;
-    const auto some = std::span(bricks).subspan(begin, std::min(kGrain, bricks.size() - begin));
-    found[chunk] = gather(octree, bundles, fan, some, parameters);
+  std::vector<std::vector<Contradiction>> found(chunks(bricks.size(), kGrain));
+  for_each_chunk(bricks.size(), kGrain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+    found[chunk] = gather(octree, bundles, fan, std::span(bricks).subspan(begin, end - begin), parameters);
   });
   std::vector<Contradiction> all;
   for (const auto& chunk : found) all.insert(all.end(), chunk.begin(), chunk.end());

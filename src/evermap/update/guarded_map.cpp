@@ -24,8 +24,9 @@ std::optional<ScanSummary> GuardedMap::update(const Scan& scan, const Pose& T_ma
   }
   contradicting_.push(contradicting);
   probation_.begin_scan();
-  for (const LeafEvidence& against : evidence.leaves) probation_.remember(octree_, against.leaf);
-  for (const RayBundle& bundle : bundles.bundles()) probation_.remember(octree_, bundle.key);
+  LeafFinder leaves(std::as_const(octree_));
+  for (const LeafEvidence& against : evidence.leaves) probation_.remember(leaves, against.leaf);
+  for (const RayBundle& bundle : bundles.bundles()) probation_.remember(leaves, bundle.key);
   apply(octree_, bundles, evidence, parameters_, viewpoint_.novelty(T_map_sensor));
   return summarize(scan, bundles);
 }

@@ -60,13 +60,16 @@ void confirm_leaves(Octree& octree, const BundleGrid& bundles, const UpdateParam
                     double novelty) {
   const auto& all = bundles.bundles();
   std::vector<char> is_new(all.size(), 0);
-  for_each_index(all.size(), kGrain, [&](std::size_t i) {
-    Leaf* leaf = octree.find(all[i].key);
-    is_new[i] = leaf == nullptr;
-    if (leaf == nullptr) return;
-    Gaussian seen = all[i].points;
-    seen.count *= novelty;
-    confirm(*leaf, seen, octree.grid().center(all[i].key), parameters);
+  for_each_chunk(all.size(), kGrain, [&](std::size_t, std::size_t begin, std::size_t end) {
+    LeafFinder leaves(octree);
+    for (std::size_t i = begin; i < end; ++i) {
+      Leaf* leaf = leaves.find(all[i].key);
+      is_new[i] = leaf == nullptr;
+      if (leaf == nullptr) continue;
+      Gaussian seen = all[i].points;
+      seen.count *= novelty;
+      confirm(*leaf, seen, octree.grid().center(all[i].key), parameters);
+    }
   });
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!is_new[i]) continue;

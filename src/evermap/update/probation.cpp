@@ -16,9 +16,9 @@ void Probation::begin_scan() {
   if (capacity_ > 0) scans_.push_back(std::move(images));
 }
 
-void Probation::remember(const Octree& octree, VoxelKey key) {
+void Probation::remember(LeafFinder<const Octree>& leaves, VoxelKey key) {
   if (scans_.empty()) return;
-  const Leaf* leaf = octree.find(key);
+  const Leaf* leaf = leaves.find(key);
   scans_.back().push_back({key, leaf != nullptr ? std::optional(*leaf) : std::nullopt});
 }
 

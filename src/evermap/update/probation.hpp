@@ -24,7 +24,7 @@ class Probation {
   /// Begins a scan: the oldest becomes final when there are too many.
   void begin_scan();
   /// Keeps the leaf of this voxel as it is now, or that there is none. REQUIRES: begin_scan() was called.
-  void remember(const Octree& octree, VoxelKey key);
+  void remember(LeafFinder<const Octree>& leaves, VoxelKey key);
 
   std::size_t scans() const { return scans_.size(); }
 
