@@ -36,7 +36,7 @@ std::vector<Candidate> candidates(const Octree& map, std::span<const Gaussian> b
       const Eigen::Vector3i near = *voxel + step;
       const Leaf* leaf = VoxelKey::in_range(near) ? finder.find(VoxelKey::from_voxel(near)) : nullptr;
       if (leaf == nullptr) continue;
-      __builtin_prefetch(leaf);
+      leaf->prefetch();
       found.push_back({i, near, leaf});
     }
   }

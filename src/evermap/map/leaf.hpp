@@ -23,6 +23,12 @@ struct Leaf {
 
   bool occupied() const { return log_odds > 0; }
 
+  /// Asks the memory for a leaf that is soon used: most lie across two cache lines.
+  void prefetch() const {
+    __builtin_prefetch(&mean_in_voxel);
+    __builtin_prefetch(&log_odds);
+  }
+
   Eigen::Matrix3d covariance_matrix() const {
     Eigen::Matrix3d S;
     S << covariance[0], covariance[1], covariance[2],  //

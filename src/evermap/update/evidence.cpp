@@ -69,7 +69,7 @@ std::vector<Contradiction> gather(const Octree& octree, const BundleGrid& bundle
   for (const PlacedBrick& brick : bricks) {
     fan.for_each_met(brick, trims ? brick.brick->mask() : unhit.of(brick),
                      [&](std::uint32_t index, const RayFan::Target& target, VoxelKey key, const Leaf& leaf) {
-                       __builtin_prefetch(&leaf);
+                       leaf.prefetch();
                        meetings.push_back({key, &leaf, index, target});
                      });
   }
