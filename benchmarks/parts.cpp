@@ -12,10 +12,10 @@
 
 #include "drive.hpp"
 #include <evermap/io/map_file.hpp>
-#include <evermap/map/ray_fan.hpp>
 #include <evermap/map/traversal.hpp>
 #include <evermap/update/evidence.hpp>
 #include <evermap/update/impact.hpp>
+#include <evermap/update/meeting.hpp>
 
 namespace evermap {
 namespace {
@@ -87,37 +87,21 @@ void update(benchmark::State& state, const UpdateParameters& parameters) {
   }
 }
 
-/// A leaf and a ray that meets it.
-struct Meeting {
-  VoxelKey key;
-  const Leaf* leaf;
-  Ray ray;
-};
-
 std::vector<Meeting> meetings_of(const Octree& octree, const BundleGrid& bundles) {
-  std::vector<RayFan::Target> targets;
-  const double guard = UpdateParameters{}.end_guard * alignment_error(octree, bundles);  // [m]
-  for (const RayBundle& bundle : bundles.bundles()) {
-    const double length = Ray{bundles.origin_map, bundle.points.mean}.length();
-    targets.push_back({bundle.points.mean, 1 - guard / length});
-  }
-  const RayFan fan(octree.grid(), bundles.origin_map, targets);
-  std::vector<Meeting> meetings;
-  for (const PlacedBrick& brick : octree.bricks_in(fan.voxels())) {
-    fan.for_each_met(brick, brick.brick->mask(),
-                     [&](std::uint32_t, const RayFan::Target& target, VoxelKey key, const Leaf& leaf) {
-                       meetings.push_back({key, &leaf, {bundles.origin_map, target.end_map}});
-                     });
-  }
-  return meetings;
+  const UpdateParameters parameters;
+  const RayFan fan(octree.grid(), bundles.origin_map,
+                   looked_at(bundles, alignment_error(octree, bundles), parameters));
+  return meet(bundles, fan, octree.bricks_in(fan.voxels()), parameters);
 }
 
 /// What no implementation can do without, if it were told for free which ray meets which leaf: every point is
-/// read, put into its voxel and looked up once, and every leaf that a ray meets is judged once.
+/// read, put into its voxel and looked up once, and every leaf that a ray meets and the scan did not hit is
+/// judged once.
 void floor(benchmark::State& state) {
   const Setting at = setting(state);
+  const std::vector<BundleGrid> scans = bundles_of(at);
   std::vector<std::vector<Meeting>> meetings;
-  for (const BundleGrid& bundles : bundles_of(at)) meetings.push_back(meetings_of(at.octree, bundles));
+  for (const BundleGrid& bundles : scans) meetings.push_back(meetings_of(at.octree, bundles));
   std::vector<std::uint64_t> table;
   std::size_t i = 0;
   double sum = 0;
@@ -130,8 +114,9 @@ void floor(benchmark::State& state) {
       while (table[slot] != 0 && table[slot] != key) slot = (slot + 1) & (table.size() - 1);
       table[slot] = key;
     }
-    for (const Meeting& m : meetings[i]) {
-      sum += closest_approach(m.ray, at.octree.gaussian(m.key, *m.leaf)).mahalanobis_squared;
+    for (const Meeting& met : meetings[i]) {
+      const Ray ray{scans[i].origin_map, met.target.end_map};
+      sum += closest_approach(ray, at.octree.gaussian(met.key, *met.leaf)).mahalanobis_squared;
     }
     i = (i + 1) % kScans;
   }

@@ -59,7 +59,8 @@ class Contest {
     const Pose T_map_sensor = with_noise(aligned.T_map_sensor, rules_.noise, scan);
     side_by_side(contenders_.size(), [&](std::size_t i) {
       if (rules_.finds_poses) {
-        pilots_[i].take(aligned.scan, course_.time(scan), aligned.T_map_sensor);
+        const auto T_odom_sensor = rules_.noise.is_there() ? std::optional(T_map_sensor) : std::nullopt;
+        pilots_[i].take(aligned.scan, course_.time(scan), T_odom_sensor, aligned.T_map_sensor);
       } else {
         contenders_[i]->update(aligned.scan, T_map_sensor);
       }

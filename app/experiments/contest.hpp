@@ -17,18 +17,22 @@ namespace evermap {
 /// Told how much of a task is done.
 using Progress = std::function<void(std::size_t done, std::size_t total)>;
 
-/// Normal noise on the poses that contenders are given, per axis.
+/// Normal noise on the poses that contenders are given, per axis of each scan.
 struct PoseNoise {
   double translation = 0;  ///< [m]
   double rotation = 0;     ///< [rad]
   std::uint64_t seed = 1;
+
+  bool is_there() const { return translation > 0 || rotation > 0; }
 };
 
 struct ContestRules {
   double leaf;                   ///< [m]
   std::size_t measurements = 1;  ///< over the run, evenly spread, the last one at its end
   PoseNoise noise{};
-  bool finds_poses = false;  ///< contenders are given the first pose alone, and localize in their own maps
+  /// Contenders localize in their own maps. They are given the first pose alone, or, when there is noise,
+  /// noisy poses for odometry.
+  bool finds_poses = false;
   bool has_picture = false;  ///< the result holds what each map looks like from above
   /// More that is measured at the end.
   std::function<Json(const Contender&, const Points& map, const Truth&)> at_end{};

@@ -57,9 +57,10 @@ const Octree& Pilot::target() {
   return grid_target_;
 }
 
-void Pilot::take(const Scan& scan, double time, const Pose& T_map_sensor_true) {
+void Pilot::take(const Scan& scan, double time, const std::optional<Pose>& T_odom_sensor,
+                 const Pose& T_map_sensor_true) {
   const Localization at =
-      localizer_.localize(target(), scan, time, std::nullopt, [&](const Pose& T_map_sensor) {
+      localizer_.localize(target(), scan, time, T_odom_sensor, [&](const Pose& T_map_sensor) {
         contender_.update(scan, T_map_sensor);
         ++outdated_by_;
         return std::string();

@@ -21,8 +21,9 @@ class Pilot {
   /// `start`: pose of the first scan. REQUIRES: the contender outlives the pilot and has its first map.
   Pilot(Contender& contender, double edge, const Pose& start, const LidarParameters& lidar);
 
-  /// `T_map_sensor_true` is noted, not used.
-  void take(const Scan& scan, double time, const Pose& T_map_sensor_true);
+  /// `T_odom_sensor`: what odometry says, if there is any. `T_map_sensor_true` is noted, not used.
+  void take(const Scan& scan, double time, const std::optional<Pose>& T_odom_sensor,
+            const Pose& T_map_sensor_true);
 
   /// "error": [m] by scan; at the end "ATE" [m], "worst" [m], "rotation" [deg], shares "lost" and "tracked".
   Json errors() const;

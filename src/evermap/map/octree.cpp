@@ -2,9 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
+#include <evermap/geometry/for_each_index.hpp>
 #include <evermap/map/octree.hpp>
 
 namespace evermap {
+namespace {
+
+constexpr std::size_t kGrain = 4;  ///< blocks per task
+
+}  // namespace
 
 void Octree::erase(VoxelKey key) {
   const auto found = blocks_.find(key.block());
@@ -28,17 +34,22 @@ std::vector<std::uint64_t> Octree::sorted_block_keys() const {
 }
 
 std::vector<PlacedBrick> Octree::bricks_in(const Eigen::AlignedBox3i& voxels) const {
-  std::vector<PlacedBrick> found;
-  if (voxels.isEmpty()) return found;
-  for (const std::uint64_t block_key : block_keys_in(voxels)) {
-    find_block(block_key)->for_each([&](int index, const Brick& brick) {
-      const VoxelKey first(block_key << 18 | static_cast<std::uint64_t>(index) << 9);
+  std::vector<PlacedBrick> all;
+  if (voxels.isEmpty()) return all;
+  const std::vector<std::uint64_t> block_keys = block_keys_in(voxels);
+  std::vector<std::vector<PlacedBrick>> found(block_keys.size());
+  for_each_index(found.size(), kGrain, [&](std::size_t i) {
+    const Block& block = *find_block(block_keys[i]);
+    found[i].reserve(block.size());
+    block.for_each([&](int index, const Brick& brick) {
+      const VoxelKey first(block_keys[i] << 18 | static_cast<std::uint64_t>(index) << 9);
       const Eigen::Vector3i corner = first.voxel();
       const Eigen::AlignedBox3i extent(corner, corner.array() + 7);
-      if (voxels.intersects(extent)) found.push_back({&brick, first, corner});
+      if (voxels.intersects(extent)) found[i].push_back({&brick, first, corner});
     });
-  }
-  return found;
+  });
+  for (const auto& in_block : found) all.insert(all.end(), in_block.begin(), in_block.end());
+  return all;
 }
 
 std::vector<std::uint64_t> Octree::block_keys_in(const Eigen::AlignedBox3i& voxels) const {

@@ -95,7 +95,7 @@ class Octree {
     }
   }
 
-  /// The bricks that reach into a box of voxels, in ascending order of keys.
+  /// The bricks that reach into a box of voxels, in ascending order of keys. Runs in parallel.
   std::vector<PlacedBrick> bricks_in(const Eigen::AlignedBox3i& voxels) const;
 
   std::size_t memory_bytes() const;  ///< of nodes and leaves, with unused capacity

@@ -45,37 +45,43 @@ RayFan::RayFan(const VoxelGrid& grid, const Eigen::Vector3d& origin_map, std::sp
   const auto start = grid.voxel(origin_map);
   if (!start) return;
   start_ = *start;
-  std::vector<FanRay> unsorted(targets.size());
+  const auto direction = [&](const Target& target) -> Eigen::Vector3d {  // [voxels]
+    return (target.end_map - origin_map) / grid.edge;
+  };
+  std::vector<std::uint32_t> cells(targets.size());
   for_each_index(targets.size(), kGrain, [&](std::size_t i) {
-    unsorted[i] = fan_ray(grid, {origin_map, targets[i].end_map}, targets[i].until);
-    unsorted[i].index = static_cast<std::uint32_t>(i);
+    const Target& target = targets[i];
+    const bool is_looked_at = target.until >= 0 && grid.voxel(target.end_map);
+    cells[i] = is_looked_at ? cell_of(direction(target)) : kNoCell;
   });
+  // Indices are sorted, serially; the rays themselves are then made where they belong.
   Eigen::AlignedBox3d extent(origin_map);
-  for (const FanRay& ray : unsorted) {
-    if (ray.cell == kNoCell) continue;
-    extent.extend(ray.target.end_map);
-    ++cell_begin_[ray.cell + 1];
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (cells[i] == kNoCell) continue;
+    extent.extend(targets[i].end_map);
+    ++cell_begin_[cells[i] + 1];
   }
   std::partial_sum(cell_begin_.begin(), cell_begin_.end(), cell_begin_.begin());
   if (cell_begin_.back() == 0) return;
   voxels_ = {*grid.voxel(extent.min()), *grid.voxel(extent.max())};
-  rays_.resize(cell_begin_.back());
   std::vector<std::uint32_t> next(cell_begin_.begin(), cell_begin_.end() - 1);
-  for (const FanRay& ray : unsorted) {
-    if (ray.cell != kNoCell) rays_[next[ray.cell]++] = ray;
+  std::vector<std::uint32_t> sorted(cell_begin_.back());
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    if (cells[i] != kNoCell) sorted[next[cells[i]]++] = i;
   }
+  rays_.resize(sorted.size());
+  for_each_index(sorted.size(), kGrain, [&](std::size_t i) {
+    const Target& target = targets[sorted[i]];
+    rays_[i] = {target, VoxelRay::towards(origin_, direction(target)).inverse, sorted[i]};
+  });
 }
 
-RayFan::FanRay RayFan::fan_ray(const VoxelGrid& grid, const Ray& ray, double until) const {
-  const Eigen::Vector3d d = (ray.end - ray.origin) / grid.edge;
+std::uint32_t RayFan::cell_of(const Eigen::Vector3d& d) {
   const double across = std::abs(d.x()) + std::abs(d.y());
-  FanRay result{{ray.end, until}, VoxelRay::towards(origin_, d).inverse, 0, kNoCell};
-  const bool is_looked_at = until >= 0 && across + std::abs(d.z()) > 0;
-  if (!is_looked_at || !grid.voxel(ray.end)) return result;
+  if (across + std::abs(d.z()) == 0) return kNoCell;
   const std::size_t row = part(height(across, d.z()), 1, kRows, 0);
   const std::size_t column = across > 0 ? part(azimuth(d.x(), d.y()), 2, kColumns, 0) : 0;
-  result.cell = static_cast<std::uint32_t>(row * kColumns + column);
-  return result;
+  return static_cast<std::uint32_t>(row * kColumns + column);
 }
 
 std::array<RayFan::Cells, 2> RayFan::cells_of(const Eigen::AlignedBox3d& box) const {

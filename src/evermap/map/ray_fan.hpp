@@ -69,7 +69,6 @@ class RayFan {
     Target target;
     Eigen::Vector3d inverse;
     std::uint32_t index;  ///< of the target
-    std::uint32_t cell;   ///< or kNoCell
   };
   static constexpr std::uint32_t kNoCell = std::numeric_limits<std::uint32_t>::max();
 
@@ -78,8 +77,8 @@ class RayFan {
     std::size_t first_row, last_row, first_column, last_column;
   };
 
-  /// Has no cell when the ray is left out. Its index is not set.
-  FanRay fan_ray(const VoxelGrid& grid, const Ray& ray, double until) const;
+  /// The cell of a direction; none of no direction.
+  static std::uint32_t cell_of(const Eigen::Vector3d& direction);
 
   /// The cells of all directions in which a box lies, [voxels] from the origin: two rectangles when it lies
   /// across the seam behind the sensor.

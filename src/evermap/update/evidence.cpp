@@ -8,73 +8,20 @@
 
 #include <evermap/geometry/for_each_index.hpp>
 #include <evermap/geometry/neighbourhood.hpp>
-#include <evermap/map/ray_fan.hpp>
 #include <evermap/update/evidence.hpp>
 #include <evermap/update/impact.hpp>
+#include <evermap/update/meeting.hpp>
 
 namespace evermap {
 namespace {
 
 constexpr std::size_t kGrain = 32;  ///< bricks or leaves per task
 
-/// The share of the ray that is known to be free. Just before the hit, range noise forbids a verdict; and a
-/// surface that is off by `error` [m] stands the farther before the end of a ray the more the ray grazes it.
-double free_share(const Ray& ray, const Gaussian& bundle, double error, const UpdateParameters& parameters) {
-  const double length = ray.length();
-  const Eigen::Vector3d u = (ray.end - ray.origin) / length;
-  const double sigma_along = std::sqrt(u.dot(bundle.covariance * u));
-  const double noise = 3 * parameters.lidar.range_sigma + 2 * sigma_along;
-  return 1 - std::max(parameters.end_guard * error, noise) / length;
-}
-
-/// A ray that passes through a leaf.
-struct Meeting {
-  VoxelKey key;
-  const Leaf* leaf;
-  std::uint32_t bundle;
-  RayFan::Target target;
-};
-
-/// The leaves of bricks, in ascending order, that the scan did not hit.
-class Unhit {
- public:
-  Unhit(const BundleGrid& bundles, VoxelKey first)
-      : next_(std::lower_bound(bundles.bundles().begin(), bundles.bundles().end(), first,
-                               [](const RayBundle& bundle, VoxelKey key) { return bundle.key < key; })),
-        end_(bundles.bundles().end()) {}
-
-  /// REQUIRES: the brick lies behind the one of the call before.
-  Mask512 of(const PlacedBrick& brick) {
-    Mask512 leaves = brick.brick->mask();
-    const VoxelKey last = brick.key(Brick::kChildren - 1);
-    for (; next_ != end_ && next_->key <= last; ++next_) {
-      if (next_->key >= brick.first) leaves.reset(next_->key.voxel_in_brick());
-    }
-    return leaves;
-  }
-
- private:
-  std::vector<RayBundle>::const_iterator next_, end_;
-};
-
 /// Who contradicts the leaves of these bricks, sorted by leaf.
 std::vector<Contradiction> gather(const Octree& octree, const BundleGrid& bundles, const RayFan& fan,
                                   std::span<const PlacedBrick> bricks, const UpdateParameters& parameters) {
-  // Leaves lie all over the memory: those that will be judged are asked for while others are still looked
-  // for.
-  std::vector<Meeting> meetings;
-  // A hit leaf takes no miss; it is looked at all the same when its geometry may be trimmed.
-  const bool trims = parameters.difference != Difference::kNone;
-  Unhit unhit(bundles, bricks.front().first);
-  for (const PlacedBrick& brick : bricks) {
-    fan.for_each_met(brick, trims ? brick.brick->mask() : unhit.of(brick),
-                     [&](std::uint32_t index, const RayFan::Target& target, VoxelKey key, const Leaf& leaf) {
-                       leaf.prefetch();
-                       meetings.push_back({key, &leaf, index, target});
-                     });
-  }
   std::vector<Contradiction> found;
-  for (const Meeting& met : meetings) {
+  for (const Meeting& met : meet(bundles, fan, bricks, parameters)) {
     const RayBundle& bundle = bundles.bundles()[met.bundle];
     const Ray ray{bundles.origin_map, met.target.end_map};
     const double value = impact(octree.gaussian(met.key, *met.leaf), ray, bundle.points.covariance,
@@ -92,13 +39,7 @@ std::vector<Contradiction> gather(const Octree& octree, const BundleGrid& bundle
 /// them.
 std::vector<Contradiction> find_contradictions(const Octree& octree, const BundleGrid& bundles, double error,
                                                const UpdateParameters& parameters) {
-  std::vector<RayFan::Target> targets;
-  targets.reserve(bundles.bundles().size());
-  for (const RayBundle& bundle : bundles.bundles()) {
-    const Ray ray{bundles.origin_map, bundle.points.mean};
-    targets.push_back({ray.end, free_share(ray, bundle.points, error, parameters)});
-  }
-  const RayFan fan(octree.grid(), bundles.origin_map, targets);
+  const RayFan fan(octree.grid(), bundles.origin_map, looked_at(bundles, error, parameters));
   const std::vector<PlacedBrick> bricks = octree.bricks_in(fan.voxels());
   std::vector<std::vector<Contradiction>> found(chunks(bricks.size(), kGrain));
   for_each_chunk(bricks.size(), kGrain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
@@ -158,17 +99,20 @@ double alignment_error(const Octree& octree, const BundleGrid& bundles) {
   constexpr double kMinBundleCount = 3;      // [points] fewer are mostly range noise
   constexpr double kUnknown = 0.01;          // [m] a moderate error, where too little is flat to tell
   constexpr double kMedianToSigma = 1.4826;  // of a normal distribution
-  std::vector<double> offsets;
   const std::vector<RayBundle>& all = bundles.bundles();
-  for (std::size_t i = 0; i < all.size(); i += 1 + all.size() / kSamples) {
-    const RayBundle& bundle = all[i];
+  const std::size_t step = 1 + all.size() / kSamples;
+  constexpr double kNotFlat = -1;
+  std::vector<double> offsets(chunks(all.size(), step), kNotFlat);
+  for_each_index(offsets.size(), kGrain, [&](std::size_t i) {
+    const RayBundle& bundle = all[i * step];
     const Leaf* leaf = octree.find(bundle.key);
-    if (leaf == nullptr || !leaf->occupied() || leaf->count < kMinLeafCount) continue;
-    if (bundle.points.count < kMinBundleCount) continue;
+    if (leaf == nullptr || !leaf->occupied() || leaf->count < kMinLeafCount) return;
+    if (bundle.points.count < kMinBundleCount) return;
     const Gaussian surface = octree.gaussian(bundle.key, *leaf);
     const Plane plane = plane_of(surface);
-    if (plane.flat) offsets.push_back(std::abs(plane.normal.dot(bundle.points.mean - surface.mean)));
-  }
+    if (plane.flat) offsets[i] = std::abs(plane.normal.dot(bundle.points.mean - surface.mean));
+  });
+  std::erase(offsets, kNotFlat);
   if (offsets.size() < kEnough) return kUnknown;
   const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
   std::nth_element(offsets.begin(), middle, offsets.end());
