@@ -19,14 +19,14 @@ struct Drive {
   std::vector<Pose> T_map_sensor;
 };
 
-/// The first `count` scans of the drive through the quarry: 64 x 1024 beams, some 42,000 returns within 200
-/// m.
-inline Drive drive_through_quarry(std::size_t count) {
+/// The first `count` scans of the drive through the quarry, or each so many one: 64 x 1024 beams, some 42,000
+/// returns within 200 m.
+inline Drive drive_through_quarry(std::size_t count, std::size_t every = 1) {
   const ScenarioDrive quarry(shipped_scenario("quarry"));
   Drive drive;
   for (std::size_t i = 0; i < count; ++i) {
-    drive.T_map_sensor.push_back(quarry.T_map_sensor(i));
-    drive.scans.push_back(quarry.scan(i).scan);
+    drive.T_map_sensor.push_back(quarry.T_map_sensor(i * every));
+    drive.scans.push_back(quarry.scan(i * every).scan);
   }
   return drive;
 }
