@@ -151,8 +151,9 @@ const Octree& large_map() {
 
 void save(benchmark::State& state) {
   const MapFile file;
-  for (auto _ : state) save_map(file.path, large_map());
-  state.counters["leaves"] = static_cast<double>(large_map().leaf_count());
+  const Octree& map = large_map();
+  for (auto _ : state) save_map(file.path, map);
+  state.counters["leaves"] = static_cast<double>(map.leaf_count());
   state.counters["bytes"] = static_cast<double>(std::filesystem::file_size(file.path));
 }
 

@@ -1,24 +1,20 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 // How long a scan takes in evermap and in other maps: the same scans of the same quarry, one thread, CPU
-// time. The contenders take turns scan by scan, so that whatever else the machine does meets all of them
-// alike.
+// time, in turns.
 #include <algorithm>
-#include <functional>
 #include <memory>
-#include <semaphore>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
-#include <oneapi/tbb/global_control.h>
 
 #include "drive.hpp"
 #include "experiments/machine.hpp"
+#include "experiments/race.hpp"
 #include <evermap/evaluation/contender.hpp>
 
 namespace evermap {
@@ -46,10 +42,10 @@ constexpr std::size_t kMostScans = 60;
 /// OctoMap needs seconds a scan when leaves are small.
 std::size_t default_scans(double leaf) { return leaf < 0.15 ? 15 : leaf < 0.3 ? 30 : kMostScans; }
 
-Times summarize(std::vector<double> milliseconds) {
-  std::sort(milliseconds.begin(), milliseconds.end());
+Times summarize(std::vector<double> seconds) {
+  std::sort(seconds.begin(), seconds.end());
   const auto at = [&](double share) {
-    return milliseconds[static_cast<std::size_t>(share * static_cast<double>(milliseconds.size() - 1) + 0.5)];
+    return 1e3 * seconds[static_cast<std::size_t>(share * static_cast<double>(seconds.size() - 1) + 0.5)];
   };
   return {at(0.5), at(0.1), at(0.9)};
 }
@@ -68,55 +64,13 @@ Contenders contenders(const std::vector<std::string>& against, double leaf) {
   return all;
 }
 
-/// A thread of its own for each contender, and with it an arena of the allocator: what one contender freed is
-/// not tidied up in the time of the next.
-class Lane {
- public:
-  Lane() = default;
-  Lane(const Lane&) = delete;
-  Lane& operator=(const Lane&) = delete;
-  ~Lane() {
-    work_ = nullptr;
-    start_.release();
-  }
-
-  /// Returns when the work is done.
-  void run(const std::function<void()>& work) {
-    work_ = &work;
-    start_.release();
-    done_.acquire();
-  }
-
- private:
-  void loop() {
-    for (start_.acquire(); work_ != nullptr; start_.acquire()) {
-      (*work_)();
-      done_.release();
-    }
-  }
-
-  const std::function<void()>* work_ = nullptr;
-  std::binary_semaphore start_{0};
-  std::binary_semaphore done_{0};
-  std::jthread thread_{[this] { loop(); }};
-};
-
 std::vector<Result> compete(const Contenders& contenders, const Drive& drive, std::size_t scans) {
-  std::vector<std::vector<double>> milliseconds(contenders.size());
-  std::vector<Lane> lanes(contenders.size());
-  for (std::size_t scan = 0; scan < scans; ++scan) {
-    for (std::size_t c = 0; c < contenders.size(); ++c) {
-      const auto integrate = contenders[c]->prepare(drive.scans[scan], drive.T_map_sensor[scan]);
-      const double begin = cpu_seconds();
-      lanes[c].run(integrate);
-      const double time = 1e3 * (cpu_seconds() - begin);  // [ms]
-      const bool warm = 3 * scan >= scans;  // in the first third the maps still learn the quarry
-      if (warm) milliseconds[c].push_back(time);
-    }
-  }
+  const auto seconds = race(contenders, scans, [&](std::size_t scan) {
+    return AlignedScan{drive.scans[scan], drive.T_map_sensor[scan]};
+  });
   std::vector<Result> results;
   for (std::size_t c = 0; c < contenders.size(); ++c) {
-    results.push_back({contenders[c]->name(), summarize(milliseconds[c]), contenders[c]->memory_bytes()});
+    results.push_back({contenders[c]->name(), summarize(seconds[c]), contenders[c]->memory_bytes()});
   }
   return results;
 }
@@ -190,7 +144,6 @@ int main(int argc, char** argv) {
   app.add_option("--json", options.json, "Also write the figures to this file");
   CLI11_PARSE(app, argc, argv);
 
-  const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism, 1);
   try {
     evermap::run_all(options);
   } catch (const std::exception& error) {

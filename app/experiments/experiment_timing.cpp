@@ -6,10 +6,9 @@
 #include <numeric>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/global_control.h>
 
 #include "experiments/experiment.hpp"
-#include "experiments/machine.hpp"
+#include "experiments/race.hpp"
 #include "plot.hpp"
 #include <evermap/simulation/scenario_drive.hpp>
 
@@ -36,10 +35,8 @@ Times summarize(std::vector<double> seconds) {
   return {1e3 * mean, 1e3 * std::sqrt(squares / count), 1e3 * median};
 }
 
-/// The contenders take turns scan by scan, so that whatever else the machine does meets all of them alike.
-Json race(double leaf, std::size_t scans, std::uint64_t seed, const Progress& progress) {
+Json compete(double leaf, std::size_t scans, std::uint64_t seed, const Progress& progress) {
   constexpr std::size_t kFirst = 100;  // scan of the scenario: the robot is under way
-  const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism, 1);
   Scenario scenario = shipped_scenario("quarry");
   scenario.seed = seed;
   const ScenarioDrive drive(scenario);
@@ -50,19 +47,10 @@ Json race(double leaf, std::size_t scans, std::uint64_t seed, const Progress& pr
   std::erase(contenders, nullptr);
   const Points survey = drive.survey(std::max(0.1, leaf / 4));
   for (const auto& contender : contenders) contender->start(survey);
-  std::vector<std::vector<double>> seconds(contenders.size());
-  for (std::size_t i = 0; i < scans; ++i) {
-    const Scan scan = drive.scan(kFirst + i).scan;
-    for (std::size_t c = 0; c < contenders.size(); ++c) {
-      const auto update = contenders[c]->prepare(scan, drive.T_map_sensor(kFirst + i));
-      const double begin = cpu_seconds();
-      update();
-      const double time = cpu_seconds() - begin;
-      const bool is_warm = 3 * i >= scans;  // in the first third the grids still learn what is free
-      if (is_warm) seconds[c].push_back(time);
-    }
+  const auto seconds = race(contenders, scans, [&](std::size_t i) {
     progress(i + 1, scans);
-  }
+    return AlignedScan{drive.scan(kFirst + i).scan, drive.T_map_sensor(kFirst + i)};
+  });
   Json result = {{"scans", seconds[0].size()}, {"contenders", Json::array()}};
   for (std::size_t c = 0; c < contenders.size(); ++c) {
     const Times times = summarize(seconds[c]);
@@ -164,7 +152,7 @@ Experiment experiment_timing(const Setup& setup) {
     experiment.units.push_back(
         {fmt::format("timing_{}", leaf),
          {{"leaf", leaf}, {"scans", scans}, {"seed", setup.seed}},
-         [=, seed = setup.seed](const Progress& progress) { return race(leaf, scans, seed, progress); }});
+         [=, seed = setup.seed](const Progress& progress) { return compete(leaf, scans, seed, progress); }});
   }
   experiment.tell = [=](const std::vector<Json>& results, const std::filesystem::path& folder) {
     Story story{"Time of a scan"};
