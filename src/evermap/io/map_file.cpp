@@ -146,6 +146,33 @@ class BlockWriter {
   std::string section_;
 };
 
+/// Gathers the leaves of one brick after the other, and puts each brick into the map at once.
+class BrickReader {
+ public:
+  explicit BrickReader(Octree& octree) : octree_(octree) {}
+
+  /// REQUIRES: keys ascend.
+  void add(VoxelKey key, const Leaf& leaf) {
+    if (!leaves_.empty() && key.brick() != key_.brick()) finish();
+    key_ = key;
+    mask_.set(key.voxel_in_brick());
+    leaves_.push_back(leaf);
+  }
+
+  void finish() {
+    if (leaves_.empty()) return;
+    octree_.insert_brick(key_, Brick(mask_, {leaves_.begin(), leaves_.end()}));
+    mask_ = {};
+    leaves_.clear();
+  }
+
+ private:
+  Octree& octree_;
+  VoxelKey key_;
+  Mask512 mask_;
+  std::vector<Leaf> leaves_;  ///< of the brick in hand; copied without spare capacity
+};
+
 /// Takes a map file apart, section by section, and lets nothing pass that was not written. No more than one
 /// section is in memory.
 class MapReader {
@@ -232,6 +259,7 @@ class MapReader {
 
   void read_leaves(Octree& octree, const BlockHeader& block) const {
     std::int64_t last_key = -1;
+    BrickReader brick(octree);
     for (std::size_t i = 0; i < block.leaves; ++i) {
       const std::size_t at = sizeof(BlockHeader) + i * sizeof(Record);
       const auto record = take<Record>(section_, at);
@@ -239,8 +267,9 @@ class MapReader {
         fail_in_block(offset_ + at, "leaf " + std::to_string(i) + " makes no sense");
       }
       last_key = record.key_in_block;
-      octree.find_or_insert(VoxelKey(block.key << kLeafBits | record.key_in_block)) = to_leaf(record);
+      brick.add(VoxelKey(block.key << kLeafBits | record.key_in_block), to_leaf(record));
     }
+    brick.finish();
   }
 
   InputStream file_;

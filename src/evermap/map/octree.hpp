@@ -76,6 +76,12 @@ class Octree {
     return leaf;
   }
 
+  /// Puts a whole brick into its place. REQUIRES: the map holds no leaf there, the brick holds some.
+  void insert_brick(VoxelKey key, Brick brick) {
+    leaf_count_ += brick.size();
+    blocks_[key.block()].find_or_insert(key.brick_in_block()) = std::move(brick);
+  }
+
   /// Removes the leaf of this voxel, if any, and nodes left empty. Pointers to other leaves become invalid.
   void erase(VoxelKey key);
 

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -61,6 +62,12 @@ template <class Child>
 class WideNode {
  public:
   static constexpr int kChildren = 512;
+
+  WideNode() = default;
+  /// REQUIRES: as many children as `mask` has positions, in the order of these.
+  WideNode(const Mask512& mask, std::vector<Child> children) : mask_(mask), items_(std::move(children)) {
+    update_ranks();
+  }
 
   const Child* find(int index) const { return has(index) ? &items_[position(index)] : nullptr; }
   Child* find(int index) { return has(index) ? &items_[position(index)] : nullptr; }
