@@ -137,6 +137,7 @@ Json hold_contest(const Course& course, std::vector<std::unique_ptr<Contender>> 
 std::vector<std::unique_ptr<Contender>> contenders_named(const std::vector<std::string>& names, double leaf,
                                                          const LidarParameters& lidar) {
   std::vector<std::unique_ptr<Contender>> contenders;
+  contenders.reserve(names.size());
   for (const std::string& name : names) contenders.push_back(make_contender(name, leaf, lidar));
   return contenders;
 }
