@@ -100,10 +100,12 @@ struct VoxelGrid {
   /// The voxel that contains `p_map`; none when it is not finite or beyond the range of keys.
   std::optional<Eigen::Vector3i> voxel(const Eigen::Vector3d& p_map) const {
     const Eigen::Vector3d scaled = ((p_map - origin) / edge).array().floor();
-    if (!scaled.allFinite() || scaled.cwiseAbs().maxCoeff() > VoxelKey::kMaxXY) return std::nullopt;
-    const Eigen::Vector3i v = scaled.cast<int>();
-    if (!VoxelKey::in_range(v)) return std::nullopt;
-    return v;
+    const auto reaches = [](double x, int limit) { return x >= -limit && x < limit; };  // no NaN does
+    if (!reaches(scaled.x(), VoxelKey::kMaxXY) || !reaches(scaled.y(), VoxelKey::kMaxXY) ||
+        !reaches(scaled.z(), VoxelKey::kMaxZ)) {
+      return std::nullopt;
+    }
+    return scaled.cast<int>();
   }
   std::optional<VoxelKey> key(const Eigen::Vector3d& p_map) const {
     const auto v = voxel(p_map);
