@@ -24,7 +24,7 @@ constexpr std::string_view kStyle = R"(
 @media (prefers-color-scheme: dark) {
   :root { --ink: #e3e6e9; --faint: #a0a9b2; --line: #3a424a; --ground: #15191d; --box: #1e242a; --best: #5fd3a8; } }
 * { box-sizing: border-box; }
-body { margin: 0 auto; padding: 2rem 1.2rem 4rem; max-width: 60rem; color: var(--ink); background: var(--ground);
+body { margin: 0 auto; padding: 2rem 1.2rem 4rem; max-width: 68rem; color: var(--ink); background: var(--ground);
   font: 1rem/1.6 system-ui, "Segoe UI", "Liberation Sans", Arial, sans-serif; }
 h1 { font-size: 1.9rem; line-height: 1.25; margin: 0 0 1.5rem; text-wrap: balance; }
 h2 { font-size: 1.3rem; line-height: 1.3; margin: 2.8rem 0 0.8rem; padding-top: 0.9rem;
@@ -35,8 +35,8 @@ figure { margin: 1.6rem 0; }
 .picture svg, .picture img { display: block; width: 100%; height: auto; }
 figcaption { margin-top: 0.5rem; color: var(--faint); font-size: 0.92rem; line-height: 1.45; max-width: 44rem; }
 .scroll { overflow-x: auto; }
-table { border-collapse: collapse; font-size: 0.94rem; font-variant-numeric: tabular-nums; }
-th, td { padding: 0.34rem 0.8rem; text-align: left; white-space: nowrap; border-bottom: 1px solid var(--line); }
+table { border-collapse: collapse; font-size: 0.86rem; font-variant-numeric: tabular-nums; }
+th, td { padding: 0.3rem 0.6rem; text-align: left; border-bottom: 1px solid var(--line); }
 th { font-weight: 600; border-bottom: 2px solid var(--line); vertical-align: bottom; }
 th:first-child, td:first-child { padding-left: 0.2rem; }
 .number { text-align: right; }
