@@ -78,6 +78,41 @@ void trace(benchmark::State& state, const UpdateParameters& parameters) {
   }
 }
 
+std::vector<Meeting> meetings_of(const Octree& octree, const BundleGrid& bundles) {
+  const UpdateParameters parameters;
+  const RayFan fan(octree.grid(), bundles.origin_map,
+                   looked_at(bundles, alignment_error(octree, bundles), parameters));
+  return meet(bundles, fan, octree.bricks_in(fan.voxels()), parameters);
+}
+
+/// Judging all that one scan's rays meet.
+void impact(benchmark::State& state) {
+  const Setting at = setting(state);
+  const BundleGrid bundles = bundles_of(at).front();
+  const UpdateParameters parameters;
+  const std::vector<Meeting> meetings = meetings_of(at.octree, bundles);
+  for (auto _ : state) {
+    double sum = 0;
+    for (const Meeting& met : meetings) {
+      const Ray ray{bundles.origin_map, met.target.end_map};
+      sum += impact(at.octree.gaussian(met.key, *met.leaf), ray,
+                    bundles.bundles()[met.bundle].points.covariance, met.target.until, parameters);
+    }
+    benchmark::DoNotOptimize(sum);
+  }
+  state.counters["meetings"] = static_cast<double>(meetings.size());
+}
+
+void apply(benchmark::State& state) {
+  Setting at = setting(state);
+  const BundleGrid bundles = bundles_of(at).front();
+  const UpdateParameters parameters;
+  const Evidence evidence = trace(at.octree, bundles, parameters);
+  // Evidence names leaves that the first time may delete: afterwards, bundles alone are applied.
+  apply(at.octree, bundles, evidence, parameters, 1);
+  for (auto _ : state) apply(at.octree, bundles, {}, parameters, 1);
+}
+
 void update(benchmark::State& state, const UpdateParameters& parameters) {
   Setting at = setting(state);
   std::size_t i = 0;
@@ -85,13 +120,6 @@ void update(benchmark::State& state, const UpdateParameters& parameters) {
     update(at.octree, at.drive.scans[i], at.drive.T_map_sensor[i], parameters);
     i = (i + 1) % kScans;
   }
-}
-
-std::vector<Meeting> meetings_of(const Octree& octree, const BundleGrid& bundles) {
-  const UpdateParameters parameters;
-  const RayFan fan(octree.grid(), bundles.origin_map,
-                   looked_at(bundles, alignment_error(octree, bundles), parameters));
-  return meet(bundles, fan, octree.bricks_in(fan.voxels()), parameters);
 }
 
 /// What no implementation can do without, if it were told for free which ray meets which leaf: every point is
@@ -177,6 +205,8 @@ BENCHMARK(condense)->Apply(leaf_edges);
 BENCHMARK(traverse)->Apply(leaf_edges);
 BENCHMARK_CAPTURE(trace, default, UpdateParameters{})->Apply(leaf_edges);
 BENCHMARK_CAPTURE(trace, paper, UpdateParameters::paper())->Apply(leaf_edges);
+BENCHMARK(impact)->Apply(leaf_edges);
+BENCHMARK(apply)->Apply(leaf_edges);
 BENCHMARK_CAPTURE(update, default, UpdateParameters{})->Apply(leaf_edges);
 BENCHMARK_CAPTURE(update, paper, UpdateParameters::paper())->Apply(leaf_edges);
 BENCHMARK(floor)->Apply(leaf_edges);
