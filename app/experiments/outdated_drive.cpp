@@ -83,14 +83,28 @@ std::vector<PlacedBox> parked_of(const Boxes& boxes, const std::vector<AlignedSc
   return parked;
 }
 
+/// The rays of scans up to where a surface may begin that is itself seen at a flat angle or a little off.
+std::vector<ScanRays> free_rays(std::vector<ScanRays> rays) {
+  constexpr double kLeast = 1;     // [m]
+  constexpr double kShare = 0.15;  // of the range: a quarter of a metre above flat ground
+  for (ScanRays& scan : rays) {
+    for (Eigen::Vector3d& end : scan.ends) {
+      const double range = (end - scan.origin).norm();
+      end -= (end - scan.origin) * std::min(1.0, std::max(kLeast / range, kShare));
+    }
+  }
+  return rays;
+}
+
 /// What does not move, of all scans.
 struct StaticSurface {
   Points all;
-  Points confirmed;  ///< of voxels that several scans hit: noise and unlabelled trails are not among them
+  Points confirmed;  ///< of voxels that several scans hit, and of which no more scans saw through: noise, and
+                     ///< trails that nobody labelled, are not among them
 };
 
-StaticSurface static_surface(const std::vector<AlignedScan>& scans, const Boxes& boxes,
-                             const std::vector<PlacedBox>& movers) {
+StaticSurface static_surface(const std::vector<AlignedScan>& scans, const std::vector<ScanRays>& rays,
+                             const Boxes& boxes, const std::vector<PlacedBox>& movers) {
   constexpr int kConfirmations = 3;
   struct Voxel {
     Eigen::Vector3d p_map;
@@ -116,9 +130,16 @@ StaticSurface static_surface(const std::vector<AlignedScan>& scans, const Boxes&
   }
   surface.all = thinned(surface.all, kSpacing);
   std::erase_if(surface.all, [&](const Eigen::Vector3d& p) { return any_contains(movers, p); });
+  Points hit;
+  std::vector<int> times;
   for (const auto& [key, voxel] : voxels) {
-    if (voxel.scans >= kConfirmations && !any_contains(movers, voxel.p_map))
-      surface.confirmed.push_back(voxel.p_map);
+    if (voxel.scans < kConfirmations || any_contains(movers, voxel.p_map)) continue;
+    hit.push_back(voxel.p_map);
+    times.push_back(voxel.scans);
+  }
+  const std::vector<std::uint8_t> seen_through = scans_beyond(hit, grid, free_rays(rays), 0);
+  for (std::size_t i = 0; i < hit.size(); ++i) {
+    if (seen_through[i] <= times[i]) surface.confirmed.push_back(hit[i]);
   }
   return surface;
 }
@@ -258,7 +279,7 @@ OutdatedDrive::OutdatedDrive(const std::filesystem::path& folder, std::size_t sc
   }
   lidar.min_range = 2.5;  // the vehicle's own roof
   position_sigma = DriveScore::kPoseSigma;
-  StaticSurface surface = static_surface(scans_, boxes, movers_of(boxes, scans_));
+  StaticSurface surface = static_surface(scans_, rays(), boxes, movers_of(boxes, scans_));
   surface_ = std::move(surface.all);
   confirmed_ = std::move(surface.confirmed);
   survey_ = Outdating(surface_, scans_, parked_of(boxes, scans_)).finish();

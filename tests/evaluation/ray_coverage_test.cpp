@@ -109,6 +109,15 @@ TEST(RaysBeyond, TheMarginBeginsAtTheFarSideOfTheVoxel) {
   EXPECT_EQ(count(4.6), 1);
 }
 
+TEST(ScansBeyond, CountEachScanOnce) {
+  const VoxelGrid grid{1, {0, 0, 0}};
+  const ScanRays through{{0.5, 0.5, 0.5}, Points(7, {9.5, 0.5, 0.5})};
+  const ScanRays beside{{0.5, 0.5, 0.5}, {{0.5, 9.5, 0.5}}};
+  const Points points{{3, 0.2, 0.2}, {3, 3.2, 0.2}};
+  const auto counts = scans_beyond(points, grid, {through, beside, through}, 1.5);
+  EXPECT_EQ(counts, (std::vector<std::uint8_t>{2, 0}));
+}
+
 TEST(RaysBeyond, StopsCountingAt255) {
   const VoxelGrid grid{1, {0, 0, 0}};
   const ScanRays scan{{0.5, 0.5, 0.5}, Points(300, {9.5, 0.5, 0.5})};

@@ -2,85 +2,85 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <limits>
 #include <unordered_map>
 
 #include <evermap/evaluation/ray_coverage.hpp>
+#include <evermap/geometry/for_each_index.hpp>
+#include <evermap/map/voxel_walk.hpp>
 
 namespace evermap {
 namespace {
 
-/// Counters of the 512 voxels of whole bricks: a walk looks up a brick every few steps instead of every
-/// voxel.
-using BrickCounts = std::array<std::uint8_t, 512>;
-using Counts = std::unordered_map<std::uint64_t, BrickCounts>;
-
-std::uint64_t brick_of(VoxelKey key) { return key.bits() >> 9; }
-
-Counts empty_counts(const Points& points, const VoxelGrid& grid) {
-  Counts counts;
-  for (const Eigen::Vector3d& p : points) {
-    if (const auto key = grid.key(p)) counts.try_emplace(brick_of(*key), BrickCounts{});
-  }
-  return counts;
-}
-
-/// Walks the voxels along a ray (Amanatides and Woo, 1987), in units of voxels. Crossing times are computed
-/// from the voxel's integer faces each step instead of summed up, so that rounding does not grow with length.
-class VoxelWalk {
+/// Counts for the voxels that hold points, by bricks of 8 x 8 x 8, so that a walk leaps over empty space.
+class VoxelCounts {
  public:
-  VoxelWalk(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction)
-      : origin_(origin), direction_(direction), voxel_(origin.array().floor().cast<int>()) {
-    for (int axis = 0; axis < 3; ++axis) update_face_time(axis);
+  VoxelCounts(const Points& points, const VoxelGrid& grid) {
+    for (const Eigen::Vector3d& p : points) {
+      if (const auto key = grid.key(p)) bricks_.try_emplace(key->brick());
+    }
   }
 
-  const Eigen::Vector3i& voxel() const { return voxel_; }
-  double exit_time() const { return face_time_.minCoeff(); }
-  void step() {
-    int axis = 0;
-    face_time_.minCoeff(&axis);
-    voxel_[axis] += direction_[axis] > 0 ? 1 : -1;
-    update_face_time(axis);
+  bool has_brick(VoxelKey key) const { return bricks_.contains(key.brick()); }
+  /// Thread safe. REQUIRES: has_brick(key).
+  void add(VoxelKey key) { at(key).fetch_add(1, std::memory_order_relaxed); }
+  std::uint8_t count(VoxelKey key) {
+    constexpr std::uint32_t kMost = std::numeric_limits<std::uint8_t>::max();
+    return static_cast<std::uint8_t>(std::min(kMost, at(key).load()));
   }
 
  private:
-  void update_face_time(int axis) {
-    const double face = direction_[axis] > 0 ? voxel_[axis] + 1 : voxel_[axis];
-    face_time_[axis] = direction_[axis] == 0 ? std::numeric_limits<double>::infinity()
-                                             : (face - origin_[axis]) / direction_[axis];
+  using Brick = std::array<std::atomic<std::uint32_t>, 512>;
+
+  std::atomic<std::uint32_t>& at(VoxelKey key) {
+    return bricks_.find(key.brick())->second[static_cast<std::size_t>(key.voxel_in_brick())];
   }
 
-  Eigen::Vector3d origin_;
-  Eigen::Vector3d direction_;
-  Eigen::Vector3i voxel_;
-  Eigen::Vector3d face_time_;
+  std::unordered_map<std::uint64_t, Brick> bricks_;
 };
 
+/// The voxels, in bricks with points, that a ray crosses and leaves more than `margin` [m] behind.
 /// REQUIRES: both ends have keys in the grid.
-void count_ray(const Eigen::Vector3d& origin, const Eigen::Vector3d& end, const VoxelGrid& grid,
-               double margin, Counts& counts) {
-  const double length = (end - origin).norm();
-  const double last_exit = (length - margin) / grid.edge;
-  if (!(last_exit > 0)) return;
-  VoxelWalk walk((origin - grid.origin) / grid.edge, (end - origin) / length);
-  std::uint64_t brick = std::numeric_limits<std::uint64_t>::max();
-  BrickCounts* brick_counts = nullptr;
-  double entry = 0;
-  while (walk.exit_time() < last_exit) {
-    const double exit = walk.exit_time();
+void add_crossed(const Ray& ray, const VoxelGrid& grid, double margin, const VoxelCounts& counts,
+                 std::vector<VoxelKey>& crossed) {
+  constexpr int kBrickLevel = 3;
+  const double until = (ray.length() - margin) / ray.length();
+  if (!(until > 0)) return;
+  VoxelWalk walk(VoxelRay::of(grid, ray), *grid.voxel(ray.origin));
+  while (walk.entry() < until && VoxelKey::in_range(walk.voxel())) {
     const VoxelKey key = VoxelKey::from_voxel(walk.voxel());
-    if (brick_of(key) != brick) {
-      brick = brick_of(key);
-      const auto found = counts.find(brick);
-      brick_counts = found == counts.end() ? nullptr : &found->second;
+    if (!counts.has_brick(key)) {
+      walk.leap(walk.exit(kBrickLevel));
+      continue;
     }
-    if (brick_counts != nullptr && exit > entry) {
-      std::uint8_t& count = (*brick_counts)[static_cast<std::size_t>(key.voxel_in_brick())];
-      if (count < std::numeric_limits<std::uint8_t>::max()) ++count;
-    }
-    entry = exit;
+    if (walk.entry() < walk.exit() && walk.exit() < until) crossed.push_back(key);
     walk.step();
   }
+}
+
+/// Counts the crossings by rays of each point's voxel, or those by scans, of which one ray is enough.
+std::vector<std::uint8_t> crossings(const Points& points, const VoxelGrid& grid,
+                                    const std::vector<ScanRays>& scans, double margin, bool once_a_scan) {
+  VoxelCounts counts(points, grid);
+  for_each_index(scans.size(), 1, [&](std::size_t i) {
+    const ScanRays& scan = scans[i];
+    if (!grid.key(scan.origin)) return;
+    std::vector<VoxelKey> crossed;
+    for (const Eigen::Vector3d& end : scan.ends) {
+      if (grid.key(end)) add_crossed({scan.origin, end}, grid, margin, counts, crossed);
+    }
+    if (once_a_scan) {
+      std::sort(crossed.begin(), crossed.end());
+      crossed.erase(std::unique(crossed.begin(), crossed.end()), crossed.end());
+    }
+    for (const VoxelKey key : crossed) counts.add(key);
+  });
+  std::vector<std::uint8_t> of_points(points.size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (const auto key = grid.key(points[i])) of_points[i] = counts.count(*key);
+  }
+  return of_points;
 }
 
 template <class Predicate>
@@ -96,20 +96,12 @@ Points select(const Points& points, const Predicate& wanted) {
 
 std::vector<std::uint8_t> rays_beyond(const Points& points, const VoxelGrid& grid,
                                       const std::vector<ScanRays>& scans, double margin) {
-  Counts counts = empty_counts(points, grid);
-  for (const ScanRays& scan : scans) {
-    if (!grid.key(scan.origin)) continue;
-    for (const Eigen::Vector3d& end : scan.ends) {
-      if (grid.key(end)) count_ray(scan.origin, end, grid, margin, counts);
-    }
-  }
-  std::vector<std::uint8_t> rays(points.size(), 0);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (const auto key = grid.key(points[i])) {
-      rays[i] = counts.at(brick_of(*key))[static_cast<std::size_t>(key->voxel_in_brick())];
-    }
-  }
-  return rays;
+  return crossings(points, grid, scans, margin, false);
+}
+
+std::vector<std::uint8_t> scans_beyond(const Points& points, const VoxelGrid& grid,
+                                       const std::vector<ScanRays>& scans, double margin) {
+  return crossings(points, grid, scans, margin, true);
 }
 
 Points contradictable(const Points& points, const VoxelGrid& grid, const std::vector<ScanRays>& scans) {

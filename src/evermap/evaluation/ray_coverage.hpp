@@ -24,6 +24,10 @@ struct ScanRays {
 std::vector<std::uint8_t> rays_beyond(const Points& points, const VoxelGrid& grid,
                                       const std::vector<ScanRays>& scans, double margin);
 
+/// The same for scans, of each of which one ray is enough.
+std::vector<std::uint8_t> scans_beyond(const Points& points, const VoxelGrid& grid,
+                                       const std::vector<ScanRays>& scans, double margin);
+
 /// Those of `points` that rays could contradict: at least 4 went more than 1.5 voxels beyond. On these a map
 /// may be scored for what it keeps and erases.
 Points contradictable(const Points& points, const VoxelGrid& grid, const std::vector<ScanRays>& scans);
