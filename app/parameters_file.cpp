@@ -42,8 +42,8 @@ const auto& names_of(Difference) { return kDifferences; }
 template <class Parameters, class Visit>
 void for_each_field(Parameters& parameters, Visit&& visit) {
   auto& [lidar, impact, combination, surface_guard, difference, surface_crossing, incidence_weight,
-         least_impact, end_guard, displacement, hit, miss, max_log_odds, confirmations, max_count,
-         standstill] = parameters;
+         least_impact, end_guard, displacement, hit, miss, max_log_odds, firming, firm_log_odds,
+         confirmations, max_count, forgetting, standstill] = parameters;
   auto& [min_range, max_range, range_sigma] = lidar;
   visit("lidar.min_range", min_range, "[m] nearer returns are the vehicle itself");
   visit("lidar.max_range", max_range, "[m] farther returns are not used");
@@ -58,13 +58,16 @@ void for_each_field(Parameters& parameters, Visit&& visit) {
         "weigh a flat leaf's impact by |cos| of the angle of incidence");
   visit("least_impact", least_impact, "[0, 1] smaller impacts are ignored");
   visit("end_guard", end_guard,
-        "[alignment errors of the scan] before a ray's hit, in which it contradicts nothing");
+        "[alignment errors of the scan] before a ray's hit, in which it contradicts no leaf without a plane");
   visit("displacement", displacement, "[alignment errors of the scan] how far a surface may seem displaced");
   visit("hit", hit, "[log-odds] gained by one hit");
   visit("miss", miss, "[log-odds] lost by one full contradiction");
-  visit("max_log_odds", max_log_odds, "[log-odds] most that a leaf can gather");
+  visit("max_log_odds", max_log_odds, "[log-odds] most that a survey or a few hits can tell");
+  visit("firming", firming, "[log-odds] gained by each further hit");
+  visit("firm_log_odds", firm_log_odds, "[log-odds] most that a leaf can gather");
   visit("confirmations", confirmations, "[scans] that must hit a new leaf before it is occupied");
   visit("max_count", max_count, "[points] a leaf's memory: older surface is forgotten beyond");
+  visit("forgetting", forgetting, "[0, 1] share of this memory that one full contradiction takes");
   visit("standstill", standstill, "[m] a sensor that moved less sees the same again; 0: never");
 }
 

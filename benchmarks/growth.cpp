@@ -199,11 +199,10 @@ Stages stages_of(Octree& map, const Scan& scan, const Pose& T_map_sensor) {
   Stages stages{};
   BundleGrid bundles;
   stages.condense = cpu_milliseconds([&] { bundles = condense(scan, T_map_sensor, map.grid(), {}); });
-  double error = 0;
-  stages.align = cpu_milliseconds([&] { error = alignment_error(map, bundles); });
+  stages.align = cpu_milliseconds([&] { alignment_error(map, bundles); });
   std::optional<RayFan> fan;
-  stages.sort = cpu_milliseconds(
-      [&] { fan.emplace(map.grid(), bundles.origin_map, looked_at(bundles, error, parameters)); });
+  stages.sort =
+      cpu_milliseconds([&] { fan.emplace(map.grid(), bundles.origin_map, looked_at(bundles, parameters)); });
   stages.meet = cpu_milliseconds([&] { meet(bundles, *fan, map.bricks_in(fan->voxels()), parameters); });
   Evidence evidence;
   const double trace_all = cpu_milliseconds([&] { evidence = trace(map, bundles, parameters); });

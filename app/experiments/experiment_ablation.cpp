@@ -50,7 +50,12 @@ std::vector<Rule> rules() {
   add("+ three confirmations", [](auto& q) { q.confirmations = UpdateParameters{}.confirmations; });
   add("+ viewpoint memory", [](auto& q) { q.standstill = UpdateParameters{}.standstill; });
   instead("+ coplanar-hit guard", [](auto& q) { q.surface_guard = SurfaceGuard::kCoplanarHit; });
-  add("+ reobserved guard = default", [](auto& q) { q.surface_guard = SurfaceGuard::kReobserved; });
+  add("+ reobserved guard", [](auto& q) { q.surface_guard = SurfaceGuard::kReobserved; });
+  add("+ leaves grow firm", [](auto& q) {
+    q.max_log_odds = UpdateParameters{}.max_log_odds;
+    q.firming = UpdateParameters{}.firming;
+  });
+  add("+ forgetting in doubt = default", [](auto& q) { q.forgetting = UpdateParameters{}.forgetting; });
   instead("default + incidence weight", [](auto& q) { q.incidence_weight = true; });
   instead("default + soft difference", [](auto& q) { q.difference = Difference::kSoft; });
   instead("default + sigma-point difference", [](auto& q) { q.difference = Difference::kSigmaPoints; });

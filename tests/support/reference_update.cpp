@@ -111,7 +111,7 @@ double paper_impact(const ReferenceLeaf& leaf, const Vector3d& o, const Bundle& 
 }
 
 double approach_impact(const ReferenceLeaf& leaf, const Vector3d& o, const Bundle& bundle, double free,
-                       const UpdateParameters& parameters) {
+                       double error, const UpdateParameters& parameters) {
   const Vector3d u = (bundle.mean - o).normalized();
   const Matrix3d P = leaf.covariance.inverse();
   const double along = std::max(0.0, u.dot(P * (leaf.mean - o)) / u.dot(P * u));
@@ -120,10 +120,14 @@ double approach_impact(const ReferenceLeaf& leaf, const Vector3d& o, const Bundl
   if (likelihood < parameters.least_impact) return 0;
   const Eigensystem eigen(leaf.covariance);
   const Vector3d n = eigen.eigenvectors().col(0);
-  if (eigen.eigenvalues()[0] >= 0.2 * eigen.eigenvalues()[1]) return likelihood;
+  const bool flat = eigen.eigenvalues()[0] < 0.2 * eigen.eigenvalues()[1];
+  const double length = (bundle.mean - o).norm();
+  if (!(flat && parameters.surface_crossing) && length - along < parameters.end_guard * error) return 0;
+  if (!flat) return likelihood;
   const double side_o = n.dot(o - leaf.mean), side_end = n.dot(bundle.mean - leaf.mean);
   const bool through =
-      (side_o < 0) != (side_end < 0) && std::abs(side_end) > 3 * std::sqrt(eigen.eigenvalues()[0]);
+      (side_o < 0) != (side_end < 0) &&
+      std::abs(side_end) > 3 * std::sqrt(eigen.eigenvalues()[0]) + parameters.displacement * error;
   if (parameters.surface_crossing && !through) return 0;
   return parameters.incidence_weight ? likelihood * std::abs(n.dot(u)) : likelihood;
 }
@@ -144,8 +148,8 @@ Evidence gathered(const std::map<VoxelKey, ReferenceLeaf>& leaves, const std::ve
     const double length = (bundle.mean - o).norm();
     const Vector3d u = (bundle.mean - o) / length;
     const double sigma_along = std::sqrt(u.dot(bundle.covariance * u));
-    const double free =
-        length - std::max(parameters.end_guard * error, 3 * parameters.lidar.range_sigma + 2 * sigma_along);
+    const double free = length - (3 * parameters.lidar.range_sigma + 2 * sigma_along);
+    const double paper_free = std::min(free, length - parameters.end_guard * error);
     for (const NaiveStep& step : naive_walk(grid, {o, bundle.mean})) {
       if (free <= 0 || step.entry * length > free) break;
       const VoxelKey key = VoxelKey::from_voxel(step.voxel);
@@ -153,8 +157,8 @@ Evidence gathered(const std::map<VoxelKey, ReferenceLeaf>& leaves, const std::ve
       if (leaf == leaves.end() || key == bundle.key) continue;
       if (parameters.difference == Difference::kNone && hit.contains(key)) continue;
       const double impact = parameters.impact == ImpactRule::kClosestApproach
-                                ? approach_impact(leaf->second, o, bundle, free, parameters)
-                                : paper_impact(leaf->second, o, bundle, free, parameters.impact);
+                                ? approach_impact(leaf->second, o, bundle, free, error, parameters)
+                                : paper_impact(leaf->second, o, bundle, paper_free, parameters.impact);
       if (impact > 0) evidence[key].push_back({&bundle, rounded(impact)});
     }
   }
@@ -193,7 +197,11 @@ double alignment_error(const std::map<VoxelKey, ReferenceLeaf>& leaves, const st
 std::optional<bool> spares(const ReferenceLeaf& leaf, const Bundle& hit, SurfaceGuard guard,
                            double displacement) {
   if (guard == SurfaceGuard::kReobserved) {
-    const Matrix3d blur = displacement * displacement * Matrix3d::Identity();
+    const Eigensystem own(leaf.covariance);
+    Vector3d widths = Vector3d::Constant(displacement);  // along the leaf's axes, the thinnest first
+    if (own.eigenvalues()[0] < 0.2 * own.eigenvalues()[1]) widths[0] /= 3;
+    const Matrix3d blur =
+        own.eigenvectors() * widths.cwiseAbs2().asDiagonal() * own.eigenvectors().transpose();
     return squared_distance(leaf.mean, hit.mean, hit.covariance + blur) < kQuantile99;
   }
   const Eigensystem own(leaf.covariance), other(hit.covariance);
@@ -287,9 +295,13 @@ void confirm(std::map<VoxelKey, ReferenceLeaf>& leaves, const Bundle& bundle, co
              bundle.count * (bundle.covariance + about(bundle.mean))) /
                 n,
             n, old.log_odds + parameters.hit};
+    if (old.log_odds >= parameters.max_log_odds) {
+      leaf.log_odds = std::min(old.log_odds + parameters.firming, parameters.firm_log_odds);
+    } else {
+      leaf.log_odds = std::min(leaf.log_odds, parameters.max_log_odds);
+    }
   }
   leaf.count = std::min(leaf.count, parameters.max_count);
-  leaf.log_odds = std::min(leaf.log_odds, parameters.max_log_odds);
   store(leaf, grid.center(bundle.key));
   leaves[bundle.key] = leaf;
 }
@@ -326,8 +338,9 @@ void ReferenceUpdate::update(const Scan& scan, const Pose& T_map_sensor, const U
     store(leaf, grid_.center(key));
     if (spared.value_or(true)) continue;
     const bool was_occupied = leaf.log_odds > 0;
-    leaf.log_odds =
-        rounded(leaf.log_odds - combined(contradictions, parameters.combination) * parameters.miss);
+    const double impact = combined(contradictions, parameters.combination);
+    leaf.log_odds = rounded(leaf.log_odds - impact * parameters.miss);
+    leaf.count = rounded(std::max(1.0, leaf.count * (1 - impact * parameters.forgetting)));
     const double least = rounded(parameters.hit * (2 - parameters.confirmations));
     if (was_occupied ? leaf.log_odds <= 0 : leaf.log_odds < least) leaves.erase(key);
   }

@@ -261,8 +261,8 @@ TEST(PlaneOf, IsFlatOnlyBelowAFifthOfTheMiddleVariance) {
 /// A patch of ground at the origin, 1 cm thick, and rays along x that pass it.
 class DefaultImpact : public ::testing::Test {
  protected:
-  double of(const Ray& ray, double free_share = 1) const {
-    return impact(ground_, ray, 1e-4 * Matrix3d::Identity(), free_share, parameters_);
+  double of(const Ray& ray, double free_share = 1, double error = 0) const {
+    return impact(ground_, ray, 1e-4 * Matrix3d::Identity(), free_share, error, parameters_);
   }
 
   Gaussian ground_{Vector3d::Zero(), Vector3d(0.01, 0.01, 0.0001).asDiagonal(), 50};
@@ -283,6 +283,26 @@ TEST_F(DefaultImpact, RayThatEndsOnTheSameSideSaysNothing) {
 TEST_F(DefaultImpact, RayMustEndThreeSigmaBeyondThePlane) {
   EXPECT_EQ(of({Vector3d(-6, 0, 0.06), Vector3d(2.9, 0, -0.029)}), 0);
   EXPECT_GT(of({Vector3d(-6, 0, 0.06), Vector3d(3.1, 0, -0.031)}), 0);
+}
+
+TEST_F(DefaultImpact, RayMustEndBeyondThePlaneByTheAlignmentErrorToo) {
+  const double error = 0.1;
+  const double beyond = 1;  // of through_, [m]
+  parameters_.displacement = (beyond - 0.031) / error;
+  EXPECT_NEAR(of(through_, 1, error), 1, 1e-12);
+  parameters_.displacement = (beyond - 0.029) / error;
+  EXPECT_EQ(of(through_, 1, error), 0);
+}
+
+TEST_F(DefaultImpact, LeafWithoutAPlaneMustStandAheadOfTheEndGuard) {
+  const double error = 0.01;
+  const double ahead = through_.length() / 3;  // from the mean to the end, [m]
+  parameters_.end_guard = 1.01 * ahead / error;
+  EXPECT_NEAR(of(through_, 1, error), 1, 1e-12);  // a plane tells better
+  ground_.covariance = 0.01 * Matrix3d::Identity();
+  EXPECT_EQ(of(through_, 1, error), 0);
+  parameters_.end_guard = 0.99 * ahead / error;
+  EXPECT_NEAR(of(through_, 1, error), 1, 1e-12);
 }
 
 TEST_F(DefaultImpact, CrossingIsAskedOfFlatLeavesOnly) {
@@ -326,8 +346,8 @@ TEST(PaperImpact, IsEquation5WhereTheBundleResemblesTheLeafMost) {
     for (const auto rule : {ImpactRule::kEquation5Inverse, ImpactRule::kEquation5Printed}) {
       parameters.impact = rule;
       const double expected = equation5(e.leaf, travelling(e, t), rule);
-      EXPECT_NEAR(impact(e.leaf, e.ray, e.bundle.covariance, 1, parameters), expected, 1e-6);
-      EXPECT_EQ(impact(e.leaf, e.ray, e.bundle.covariance, t * (1 - 1e-6), parameters), 0);
+      EXPECT_NEAR(impact(e.leaf, e.ray, e.bundle.covariance, 1, 0, parameters), expected, 1e-6);
+      EXPECT_EQ(impact(e.leaf, e.ray, e.bundle.covariance, t * (1 - 1e-6), 0, parameters), 0);
       ++seen[expected == 0 ? 0 : expected < 1 ? 1 : 2];
     }
   }

@@ -81,11 +81,25 @@ TEST(Confirm, MergesAndCapsTheCount) {
   }
 }
 
-TEST(Confirm, LogOddsStopAtTheClamp) {
+std::vector<float> log_odds_of_hits(const UpdateParameters& parameters, int hits) {
   Random random(4);
   Leaf leaf;
-  for (int i = 0; i < 10; ++i) confirm(leaf, bundle_near_center(random, 5), kCenter, {});
-  EXPECT_FLOAT_EQ(leaf.log_odds, 3.5F);
+  std::vector<float> log_odds;
+  for (int i = 0; i < hits; ++i) {
+    confirm(leaf, bundle_near_center(random, 5), kCenter, parameters);
+    log_odds.push_back(leaf.log_odds);
+  }
+  return log_odds;
+}
+
+TEST(Confirm, BeyondWhatAFewHitsTellLeavesGrowFirmSlowly) {
+  const std::vector<float> expected{-2.197F, 0, 2.197F, 3, 4, 5, 6, 7, 8, 9, 9};
+  const std::vector<float> found = log_odds_of_hits({}, 11);
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(found[i], expected[i], 1e-6) << i;
+}
+
+TEST(Confirm, ThePapersLogOddsStopAtTheClamp) {
+  EXPECT_FLOAT_EQ(log_odds_of_hits(UpdateParameters::paper(), 10).back(), 3.5F);
 }
 
 Leaf leaf_at(double log_odds) {
@@ -111,6 +125,7 @@ TEST(Contradict, StepIsScaledByTheImpact) {
     Leaf leaf = leaf_at(3.5);
     EXPECT_TRUE(contradict(leaf, impact, parameters));
     EXPECT_NEAR(static_cast<double>(leaf.log_odds), 3.5 - impact * parameters.miss, 1e-6);
+    EXPECT_NEAR(static_cast<double>(leaf.count), 20 * (1 - impact / 2), 1e-5);
   }
 }
 

@@ -19,13 +19,14 @@ constexpr std::size_t kGrain = 32;  ///< bricks or leaves per task
 
 /// Who contradicts the leaves of these bricks, sorted by leaf.
 std::vector<Contradiction> gather(const Octree& octree, const BundleGrid& bundles, const RayFan& fan,
-                                  std::span<const PlacedBrick> bricks, const UpdateParameters& parameters) {
+                                  std::span<const PlacedBrick> bricks, double error,
+                                  const UpdateParameters& parameters) {
   std::vector<Contradiction> found;
   for (const Meeting& met : meet(bundles, fan, bricks, parameters)) {
     const RayBundle& bundle = bundles.bundles()[met.bundle];
     const Ray ray{bundles.origin_map, met.target.end_map};
     const double value = impact(octree.gaussian(met.key, *met.leaf), ray, bundle.points.covariance,
-                                met.target.until, parameters);
+                                met.target.until, error, parameters);
     if (value <= 0 || met.key == bundle.key) continue;
     found.push_back({met.key, met.bundle, static_cast<float>(value)});
   }
@@ -39,11 +40,12 @@ std::vector<Contradiction> gather(const Octree& octree, const BundleGrid& bundle
 /// them.
 std::vector<Contradiction> find_contradictions(const Octree& octree, const BundleGrid& bundles, double error,
                                                const UpdateParameters& parameters) {
-  const RayFan fan(octree.grid(), bundles.origin_map, looked_at(bundles, error, parameters));
+  const RayFan fan(octree.grid(), bundles.origin_map, looked_at(bundles, parameters));
   const std::vector<PlacedBrick> bricks = octree.bricks_in(fan.voxels());
   std::vector<std::vector<Contradiction>> found(chunks(bricks.size(), kGrain));
   for_each_chunk(bricks.size(), kGrain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    found[chunk] = gather(octree, bundles, fan, std::span(bricks).subspan(begin, end - begin), parameters);
+    const auto stretch = std::span(bricks).subspan(begin, end - begin);
+    found[chunk] = gather(octree, bundles, fan, stretch, error, parameters);
   });
   std::vector<Contradiction> all;
   for (const auto& chunk : found) all.insert(all.end(), chunk.begin(), chunk.end());
@@ -69,10 +71,15 @@ bool is_coplanar(const Gaussian& leaf, const Plane& plane, const Gaussian& hit) 
   return hit_plane.flat && std::abs(plane.normal.dot(hit_plane.normal)) > kMinCosine;
 }
 
-/// Whether this neighbouring hit may be the leaf's own surface, seen `displacement` [m] from where it is.
-bool fits(const Gaussian& leaf, const Gaussian& hit, double displacement) {
+/// Whether this neighbouring hit may be the leaf's own surface, seen `displacement` [m] from where it is. A
+/// flat one that seems displaced along its plane may still be whole; across it, little is allowed for, lest
+/// what has come close beside it hides that it is gone.
+bool fits(const Gaussian& leaf, const Plane& plane, const Gaussian& hit, double displacement) {
+  constexpr double kAcross = 1.0 / 3;
+  const Eigen::Vector3d across = plane.flat ? plane.normal : Eigen::Vector3d::Zero();
   Gaussian blurred = hit;
-  blurred.covariance += displacement * displacement * Eigen::Matrix3d::Identity();
+  blurred.covariance += displacement * displacement *
+                        (Eigen::Matrix3d::Identity() - (1 - kAcross * kAcross) * across * across.transpose());
   return mahalanobis_squared(leaf.mean, blurred) < kChiSquared99;
 }
 
@@ -81,12 +88,12 @@ bool is_spared(const Octree& octree, VoxelKey key, const BundleGrid& bundles, Su
                double displacement) {
   if (guard == SurfaceGuard::kNone) return false;
   const Gaussian leaf = octree.gaussian(key, *octree.find(key));
-  const bool coplanar = guard == SurfaceGuard::kCoplanarHit;
-  const Plane plane = coplanar ? plane_of(leaf) : Plane{};
+  const Plane plane = plane_of(leaf);
   return any_in_neighbourhood(key, [&](VoxelKey near) {
     const RayBundle* hit = bundles.find(near);
     if (hit == nullptr) return false;
-    return coplanar ? is_coplanar(leaf, plane, hit->points) : fits(leaf, hit->points, displacement);
+    return guard == SurfaceGuard::kCoplanarHit ? is_coplanar(leaf, plane, hit->points)
+                                               : fits(leaf, plane, hit->points, displacement);
   });
 }
 
@@ -132,7 +139,8 @@ double contradicting_share(const Evidence& evidence, const BundleGrid& bundles) 
 }
 
 Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters) {
-  const bool is_asked = parameters.end_guard > 0 || parameters.surface_guard == SurfaceGuard::kReobserved;
+  const bool is_asked = parameters.end_guard > 0 || parameters.surface_crossing ||
+                        parameters.surface_guard == SurfaceGuard::kReobserved;
   const double error = is_asked ? alignment_error(octree, bundles) : 0;
   Evidence evidence{find_contradictions(octree, bundles, error, parameters), {}};
   const auto& all = evidence.contradictions;

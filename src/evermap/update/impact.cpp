@@ -70,7 +70,21 @@ Plane plane_of(const Gaussian& leaf) {
 
 namespace {
 
-double default_impact(const Gaussian& leaf, const Ray& ray, double free_share,
+/// Whether a surface that is off by `error` [m] may stand here although it is what the ray hit: the more a
+/// ray grazes a surface, the farther before its end.
+bool is_near_end(double share, const Ray& ray, double error, const UpdateParameters& parameters) {
+  return (1 - share) * ray.length() < parameters.end_guard * error;
+}
+
+/// Whether a ray that is off by `error` [m] still ends beyond the plane.
+bool crosses(const Plane& plane, const Eigen::Vector3d& on_plane, const Ray& ray, double error,
+             const UpdateParameters& parameters) {
+  const double origin_side = plane.normal.dot(ray.origin - on_plane);
+  const double end_side = plane.normal.dot(ray.end - on_plane);
+  return origin_side * end_side < 0 && std::abs(end_side) > 3 * plane.sigma + parameters.displacement * error;
+}
+
+double default_impact(const Gaussian& leaf, const Ray& ray, double free_share, double error,
                       const UpdateParameters& parameters) {
   const Approach approach = closest_approach(ray, leaf);
   const double exponent = 0.5 * approach.mahalanobis_squared;
@@ -78,28 +92,24 @@ double default_impact(const Gaussian& leaf, const Ray& ray, double free_share,
   if (parameters.least_impact * (1 + exponent) > 1) return 0;
   const double likelihood = std::exp(-exponent);
   if (likelihood < parameters.least_impact || approach.share > free_share) return 0;
-  if (!parameters.surface_crossing && !parameters.incidence_weight) return likelihood;
   const Plane plane = plane_of(leaf);
-  if (!plane.flat) return likelihood;
-  if (parameters.surface_crossing) {
-    const double origin_side = plane.normal.dot(ray.origin - leaf.mean);
-    const double end_side = plane.normal.dot(ray.end - leaf.mean);
-    const bool crosses = origin_side * end_side < 0 && std::abs(end_side) > 3 * plane.sigma;
-    if (!crosses) return 0;
-  }
-  if (!parameters.incidence_weight) return likelihood;
+  const bool is_plane_decisive = parameters.surface_crossing && plane.flat;
+  const bool contradicts = is_plane_decisive ? crosses(plane, leaf.mean, ray, error, parameters)
+                                             : !is_near_end(approach.share, ray, error, parameters);
+  if (!contradicts) return 0;
+  if (!parameters.incidence_weight || !plane.flat) return likelihood;
   return likelihood * std::abs(plane.normal.dot((ray.end - ray.origin).normalized()));
 }
 
 }  // namespace
 
 double impact(const Gaussian& leaf, const Ray& ray, const Eigen::Matrix3d& bundle_covariance,
-              double free_share, const UpdateParameters& parameters) {
+              double free_share, double error, const UpdateParameters& parameters) {
   if (parameters.impact == ImpactRule::kClosestApproach) {
-    return default_impact(leaf, ray, free_share, parameters);
+    return default_impact(leaf, ray, free_share, error, parameters);
   }
   const double t = closest_resemblance(ray, bundle_covariance, leaf);
-  if (t > free_share) return 0;
+  if (t > free_share || is_near_end(t, ray, error, parameters)) return 0;
   return equation5(leaf, bundle_at(t, ray, bundle_covariance), parameters.impact);
 }
 

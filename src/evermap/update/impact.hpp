@@ -41,8 +41,9 @@ struct Plane {
 Plane plane_of(const Gaussian& leaf);
 
 /// Impact in [0, 1] of one bundle's ray on a leaf that it passes through, by the rules of `parameters`. Pure.
-/// `free_share`: of the ray, is known to be free; beyond it the ray says nothing.
+/// `free_share`: of the ray, is free for all that its range's noise may be; beyond it the ray says nothing.
+/// `error`: of the scan's alignment [m], see alignment_error().
 double impact(const Gaussian& leaf, const Ray& ray, const Eigen::Matrix3d& bundle_covariance,
-              double free_share, const UpdateParameters& parameters);
+              double free_share, double error, const UpdateParameters& parameters);
 
 }  // namespace evermap

@@ -19,6 +19,12 @@ double first_hit(const UpdateParameters& parameters) {
   return parameters.hit * (2 - parameters.confirmations);
 }
 
+/// Log-odds after one more hit: full steps to what a few scans can tell, small ones beyond.
+double raised(double log_odds, const UpdateParameters& parameters) {
+  if (log_odds < parameters.max_log_odds) return std::min(log_odds + parameters.hit, parameters.max_log_odds);
+  return std::min(log_odds + parameters.firming, std::max(parameters.firm_log_odds, parameters.max_log_odds));
+}
+
 }  // namespace
 
 void confirm(Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& center_map,
@@ -28,14 +34,16 @@ void confirm(Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& center_m
   surface.count = std::min(surface.count, parameters.max_count);
   leaf.set_gaussian(surface, center_map);
   constexpr double kRounding = 1e-5;  // of stored log-odds: it must not turn the last 0 into occupied
-  double log_odds = is_new ? first_hit(parameters) : leaf.log_odds + parameters.hit;
-  if (std::abs(log_odds) < kRounding) log_odds = 0;
-  leaf.log_odds = static_cast<float>(std::min(log_odds, parameters.max_log_odds));
+  const double log_odds = is_new ? std::min(first_hit(parameters), parameters.max_log_odds)
+                                 : raised(static_cast<double>(leaf.log_odds), parameters);
+  leaf.log_odds = std::abs(log_odds) < kRounding ? 0 : static_cast<float>(log_odds);
 }
 
 bool contradict(Leaf& leaf, double impact, const UpdateParameters& parameters) {
   const bool was_occupied = leaf.occupied();
   leaf.log_odds = static_cast<float>(leaf.log_odds - impact * parameters.miss);
+  // Next hits outweigh what is in doubt. A count of 0 would say that the leaf is new.
+  leaf.count = static_cast<float>(std::max(1.0, leaf.count * (1 - impact * parameters.forgetting)));
   return was_occupied ? leaf.occupied() : leaf.log_odds >= static_cast<float>(first_hit(parameters));
 }
 

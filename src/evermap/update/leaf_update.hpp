@@ -16,8 +16,9 @@ namespace evermap {
 void confirm(Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& center_map,
              const UpdateParameters& parameters);
 
-/// Subtractive: one step down in occupancy, scaled by the impact of all rays of the scan together. Returns
-/// false when the leaf is to be deleted: occupied before and no longer, or pending and below a first hit.
+/// Subtractive: one step down in occupancy, scaled by the impact of all rays of the scan together, and as
+/// much less trust in the leaf's geometry. Returns false when the leaf is to be deleted: occupied before and
+/// no longer, or pending and below a first hit.
 [[nodiscard]] bool contradict(Leaf& leaf, double impact, const UpdateParameters& parameters);
 
 /// Equation (6): N_V \ N_R, the sigma points of the leaf outside the bundle's 95 % ellipsoid, refitted. None

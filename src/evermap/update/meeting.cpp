@@ -11,14 +11,12 @@ namespace {
 
 constexpr std::size_t kGrain = 1024;  ///< rays per task
 
-/// The share of the ray that is known to be free. Just before the hit, range noise forbids a verdict; and a
-/// surface that is off by `error` [m] stands the farther before the end of a ray the more the ray grazes it.
-double free_share(const Ray& ray, const Gaussian& bundle, double error, const UpdateParameters& parameters) {
+/// The share of the ray that is known to be free: just before the hit, range noise forbids a verdict.
+double free_share(const Ray& ray, const Gaussian& bundle, const LidarParameters& lidar) {
   const double length = ray.length();
   const Eigen::Vector3d u = (ray.end - ray.origin) / length;
   const double sigma_along = std::sqrt(u.dot(bundle.covariance * u));
-  const double noise = 3 * parameters.lidar.range_sigma + 2 * sigma_along;
-  return 1 - std::max(parameters.end_guard * error, noise) / length;
+  return 1 - (3 * lidar.range_sigma + 2 * sigma_along) / length;
 }
 
 /// The leaves of bricks, in ascending order, that the scan did not hit.
@@ -45,13 +43,12 @@ class Unhit {
 
 }  // namespace
 
-std::vector<RayFan::Target> looked_at(const BundleGrid& bundles, double error,
-                                      const UpdateParameters& parameters) {
+std::vector<RayFan::Target> looked_at(const BundleGrid& bundles, const UpdateParameters& parameters) {
   std::vector<RayFan::Target> targets(bundles.bundles().size());
   for_each_index(targets.size(), kGrain, [&](std::size_t i) {
     const Gaussian& points = bundles.bundles()[i].points;
     const Ray ray{bundles.origin_map, points.mean};
-    targets[i] = {ray.end, free_share(ray, points, error, parameters)};
+    targets[i] = {ray.end, free_share(ray, points, parameters.lidar)};
   });
   return targets;
 }

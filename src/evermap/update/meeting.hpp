@@ -20,9 +20,8 @@ struct Meeting {
   RayFan::Target target;
 };
 
-/// The bundles' rays, each up to where it is known to be free. `error`: of the scan's alignment [m].
-std::vector<RayFan::Target> looked_at(const BundleGrid& bundles, double error,
-                                      const UpdateParameters& parameters);
+/// The bundles' rays, each up to where it is free for all that its range's noise may be.
+std::vector<RayFan::Target> looked_at(const BundleGrid& bundles, const UpdateParameters& parameters);
 
 /// Which leaves of these bricks the rays of `fan` meet, in the order of bricks. A leaf that the scan hit
 /// takes no miss, so it is left out, unless its geometry may be trimmed all the same. The leaves, all over

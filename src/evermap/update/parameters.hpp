@@ -41,15 +41,18 @@ struct UpdateParameters {
   bool surface_crossing = true;   ///< a planar leaf is contradicted only by a ray that ends beyond its plane
   bool incidence_weight = false;  ///< weigh a planar leaf's impact by |cos| of the angle of incidence
   double least_impact = 0.1;      ///< smaller impacts are ignored
-  double end_guard = 100;         ///< how far before its hit a ray contradicts nothing, and
-  double displacement = 12;       ///< how far a surface may seem displaced (kReobserved), both in units of
-                                  ///< the scan's alignment error
+  double end_guard = 100;         ///< how far before its hit a ray contradicts no leaf without a plane, and
+  double displacement = 9;        ///< how far a surface may seem displaced, both in units of the scan's
+                                  ///< alignment error
 
-  double hit = 2.197;         ///< log-odds of one hit, logit(0.9)
-  double miss = 1.386;        ///< log-odds taken by one full contradiction, -logit(0.2)
-  double max_log_odds = 3.5;  ///< so that three full contradictions delete any leaf
-  int confirmations = 3;      ///< scans that must hit a new leaf before it is occupied
-  double max_count = 1000;    ///< [points] a leaf's memory: older surface is forgotten beyond
+  double hit = 2.197;        ///< log-odds of one hit, logit(0.9)
+  double miss = 1.386;       ///< log-odds taken by one full contradiction, -logit(0.2)
+  double max_log_odds = 3;   ///< of a survey or of few hits, so that three full contradictions delete a leaf
+  double firming = 1;        ///< log-odds of each further hit, up to
+  double firm_log_odds = 9;  ///< which only many scans can tell: foliage and edges, hit and passed in turns
+  int confirmations = 3;     ///< scans that must hit a new leaf before it is occupied
+  double max_count = 1000;   ///< [points] a leaf's memory: older surface is forgotten beyond
+  double forgetting = 0.5;   ///< share of this memory that one full contradiction takes
 
   double standstill = 0.1;  ///< [m] a sensor that moved less sees the same again (Viewpoint); 0: never
 
@@ -65,8 +68,11 @@ inline UpdateParameters UpdateParameters::paper() {
   parameters.surface_crossing = false;
   parameters.least_impact = 0;
   parameters.end_guard = 0;
+  parameters.max_log_odds = 3.5;
+  parameters.firming = 0;
   parameters.confirmations = 1;
   parameters.max_count = 100;
+  parameters.forgetting = 0;
   parameters.standstill = 0;
   return parameters;
 }
