@@ -340,7 +340,8 @@ void ReferenceUpdate::update(const Scan& scan, const Pose& T_map_sensor, const U
     const bool was_occupied = leaf.log_odds > 0;
     const double impact = combined(contradictions, parameters.combination);
     leaf.log_odds = rounded(leaf.log_odds - impact * parameters.miss);
-    leaf.count = rounded(std::max(1.0, leaf.count * (1 - impact * parameters.forgetting)));
+    if (leaf.count > 1)
+      leaf.count = rounded(std::max(1.0, leaf.count * (1 - impact * parameters.forgetting)));
     const double least = rounded(parameters.hit * (2 - parameters.confirmations));
     if (was_occupied ? leaf.log_odds <= 0 : leaf.log_odds < least) leaves.erase(key);
   }

@@ -42,8 +42,10 @@ void confirm(Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& center_m
 bool contradict(Leaf& leaf, double impact, const UpdateParameters& parameters) {
   const bool was_occupied = leaf.occupied();
   leaf.log_odds = static_cast<float>(leaf.log_odds - impact * parameters.miss);
-  // Next hits outweigh what is in doubt. A count of 0 would say that the leaf is new.
-  leaf.count = static_cast<float>(std::max(1.0, leaf.count * (1 - impact * parameters.forgetting)));
+  // The next hits outweigh what is in doubt. A count of 0 would say that the leaf is new.
+  const auto count = static_cast<double>(leaf.count);
+  const double trusted = std::max(std::min(count, 1.0), count * (1 - impact * parameters.forgetting));
+  leaf.count = static_cast<float>(trusted);
   return was_occupied ? leaf.occupied() : leaf.log_odds >= static_cast<float>(first_hit(parameters));
 }
 
