@@ -67,29 +67,30 @@ Story overview(const std::vector<Story>& stories) {
 
 Story choices(const Setup& setup) {
   Story story{"How it was measured"};
-  for (const char* text : {"Simulated truth is exact: the surface at the moment of the measurement, without "
-                           "what moves, sampled each 0.17 m "
-                           "(0.23 m in the pit); distances from the map to it are exact. A surface counts as "
-                           "observed where some ray of "
-                           "the run ended in its voxel of 0.2 m. COV and the distance from truth to map are "
-                           "taken over the observed "
-                           "truth; ACC and the distance from map to truth over all points of the map in the "
-                           "measured area (of more than "
-                           "250,000, each so many one), which are right where any true surface is. "
-                           "Uncropped: over the whole truth.",
-                           "SA and DA are taken on points that at least 4 rays crossed and left more than "
-                           "1.5 leaves behind. A point is "
-                           "kept when its leaf is occupied and it lies in the leaf's 99 % ellipsoid, widened "
-                           "by how well the point is "
-                           "known (2 cm simulated, 5 cm real); for a grid, when its voxel is occupied. One "
-                           "point per leaf stands for the "
-                           "map: the Gaussian's mean, or the voxel's centre.",
-                           "Every contender has its default parameters in all experiments. Real truth: what "
-                           "the drive's scans show of "
-                           "what does not move, each 0.05 m; COV on voxels of 0.1 m that at least 3 scans "
-                           "hit. The pit is driven with "
-                           "every second scan, at leaves below 0.3 m with every third of 21 s: "
-                           "OctoMap takes seconds for each."}) {
+  for (const char* text :
+       {"Simulated truth is exact: the surface at the moment of the measurement, without "
+        "what moves, sampled each 0.17 m "
+        "(0.23 m in the pit); distances from the map to it are exact. A surface counts as "
+        "observed where some ray of "
+        "the run ended in its voxel of 0.2 m. COV and the distance from truth to map are "
+        "taken over the observed "
+        "truth; ACC and the distance from map to truth over all points of the map in the "
+        "measured area (of more than "
+        "250,000, each so many one), which are right where any true surface is. "
+        "Uncropped: over the whole truth.",
+        "SA and DA are taken on points that at least 4 rays crossed and left more than "
+        "1.5 leaves behind. A point is "
+        "kept when its leaf is occupied and it lies in the leaf's 99 % ellipsoid, widened "
+        "by how well the point is "
+        "known (2 cm simulated, 5 cm real); for a grid, when its voxel is occupied. One "
+        "point per leaf stands for the "
+        "map: the Gaussian's mean, or the voxel's centre.",
+        "Every contender has its default parameters in all experiments. Real truth: what "
+        "the drive's scans show of "
+        "what does not move, each 0.05 m; COV, SA and DA on voxels of 0.1 m that at least 3 scans "
+        "hit and that no more scans saw through than hit. The pit is driven with "
+        "every second scan, at leaves below 0.3 m with every third of 21 s: "
+        "OctoMap takes seconds for each."}) {
     story.blocks.emplace_back(Paragraph{text});
   }
   if (setup.is_quick)
