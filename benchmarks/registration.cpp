@@ -5,7 +5,6 @@
 // off. One thread. Making the target (our map is at hand; theirs must be made from its points) is not
 // counted.
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include <benchmark/benchmark.h>
@@ -89,14 +88,11 @@ Octree map_of_survey(double edge) {
   return map;
 }
 
-void evermap_registration(benchmark::State& state, std::size_t max_bundles) {
+void evermap_registration(benchmark::State& state) {
   const Octree map = map_of_survey(edge_of(state));
-  RegistrationParameters parameters;
-  parameters.max_bundles = max_bundles;
   run(state, [&](std::size_t i) {
-    const auto bundles =
-        bundles_in_sensor_frame(setting().scans[i], map.grid().edge, {}, parameters.max_bundles);
-    return register_bundles(map, bundles, setting().starts[i], parameters).T_map_sensor;
+    const auto bundles = bundles_in_sensor_frame(setting().scans[i], map.grid().edge, {});
+    return register_bundles(map, bundles, setting().starts[i], {}).T_map_sensor;
   });
 }
 
@@ -161,9 +157,7 @@ void leaf_edges(benchmark::internal::Benchmark* benchmark) {
   benchmark->Iterations(kScans);
 }
 
-BENCHMARK_CAPTURE(evermap_registration, default, RegistrationParameters{}.max_bundles)->Apply(leaf_edges);
-BENCHMARK_CAPTURE(evermap_registration, all_bundles, std::numeric_limits<std::size_t>::max())
-    ->Apply(leaf_edges);
+BENCHMARK(evermap_registration)->Apply(leaf_edges);
 BENCHMARK(evermap_coarse_to_fine)->Apply(leaf_edges);
 #ifdef EVERMAP_HAS_PCL
 BENCHMARK(pcl_ndt)->Apply(leaf_edges);

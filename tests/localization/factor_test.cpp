@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "support/random_geometry.hpp"
@@ -41,14 +43,39 @@ TEST(Factor, GradientIsTheDerivativeOfHalfTheSum) {
       const Eigen::Vector3d e = leaf - perturb(T_map_sensor, step) * p_sensor;
       return 0.5 * 1.7 * 20 * std::pow(factor.normal.dot(e), 2);
     };
-    const NormalEquations equations =
-        factor.linearize(T_map_sensor * p_sensor, T_map_sensor.rotation * p_sensor, wide);
+    NormalEquations equations;
+    factor.add_to(equations, T_map_sensor * p_sensor, T_map_sensor.rotation * p_sensor, wide);
     for (int k = 0; k < 6; ++k) {
       const Twist step = 1e-6 * Twist::Unit(k);
       const double slope = (half_sum(step) - half_sum(-step)) / 2e-6;
       EXPECT_NEAR(equations.gradient[k], slope, 1e-5 * (1 + equations.gradient.norm()));
     }
   }
+}
+
+TEST(Factor, CountsTheStiffestAxisAsFarAsItIsStifferThanTheNext) {
+  test::Random random(9);
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Matrix3d M = random.covariance(0.01, 1).inverse();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(M);
+    const double greatest = eigen.eigenvalues()[2];
+    const double gap = greatest - eigen.eigenvalues()[1];
+    const Eigen::Vector3d axis = eigen.eigenvectors().col(2);
+    const Factor factor = make_factor({Eigen::Vector3d::Zero(), M, 0, 0.5}, 9);
+    EXPECT_EQ(factor.trust, 1.5);
+    EXPECT_NEAR(factor.normal.norm(), 1, 1e-12);
+    // Where the next is nearly as stiff, the axis is known less well, and counts for less.
+    const Eigen::Matrix3d counted = factor.stiffness * factor.normal * factor.normal.transpose();
+    EXPECT_LT((counted - gap * axis * axis.transpose()).norm(), 0.04 * greatest);
+    if (gap > 0.5 * greatest) {
+      EXPECT_LT((counted - gap * axis * axis.transpose()).norm(), 1e-4 * greatest);
+    }
+  }
+}
+
+TEST(Factor, OfASphereSaysNothing) {
+  const Factor factor = make_factor({Eigen::Vector3d::Zero(), 7 * Eigen::Matrix3d::Identity(), 0, 1}, 1);
+  EXPECT_NEAR(factor.stiffness, 0, 1e-6);
 }
 
 TEST(Solver, SolvesWhatIsRegularAndStaysWhereNothingIsSaid) {

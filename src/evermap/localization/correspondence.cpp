@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <array>
 #include <cmath>
 
 #include <Eigen/LU>
@@ -10,13 +9,6 @@
 namespace evermap {
 namespace {
 
-/// The bundle's own voxel and those that share a face with it.
-const std::array<Eigen::Vector3i, 7>& steps() {
-  static const std::array<Eigen::Vector3i, 7> all = {
-      {{0, 0, 0}, {-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
-  return all;
-}
-
 /// A leaf that a bundle may belong to.
 struct Candidate {
   std::size_t bundle;
@@ -24,20 +16,25 @@ struct Candidate {
   const Leaf* leaf;
 };
 
-/// The candidates of all bundles, in their order.
+/// The candidates of all bundles, in their order. Leaves lie all over the memory: all are asked for before
+/// any is used.
 std::vector<Candidate> candidates(const Octree& map, std::span<const Gaussian> bundles) {
   std::vector<Candidate> found;
   found.reserve(4 * bundles.size());
   LeafFinder finder(map);
+  const auto ask = [&](std::size_t bundle, const Eigen::Vector3i& voxel) {
+    const Leaf* leaf = VoxelKey::in_range(voxel) ? finder.find(VoxelKey::from_voxel(voxel)) : nullptr;
+    if (leaf == nullptr) return;
+    leaf->prefetch();
+    found.push_back({bundle, voxel, leaf});
+  };
   for (std::size_t i = 0; i < bundles.size(); ++i) {
     const auto voxel = map.grid().voxel(bundles[i].mean);
     if (!voxel) continue;
-    for (const Eigen::Vector3i& step : steps()) {
-      const Eigen::Vector3i near = *voxel + step;
-      const Leaf* leaf = VoxelKey::in_range(near) ? finder.find(VoxelKey::from_voxel(near)) : nullptr;
-      if (leaf == nullptr) continue;
-      leaf->prefetch();
-      found.push_back({i, near, leaf});
+    ask(i, *voxel);
+    const Eigen::Vector3d from_center = bundles[i].mean - map.grid().center(*voxel);
+    for (int axis = 0; axis < 3; ++axis) {
+      ask(i, *voxel + (from_center[axis] < 0 ? -1 : 1) * Eigen::Vector3i::Unit(axis));
     }
   }
   return found;
@@ -52,7 +49,6 @@ std::vector<std::optional<Correspondence>> correspond(const Octree& map,
   bundles.reserve(bundles_sensor.size());
   for (const Gaussian& bundle : bundles_sensor) bundles.push_back(transform(T_map_sensor, bundle));
   std::vector<std::optional<Correspondence>> matches(bundles.size());
-  // Leaves lie all over the memory. All are asked for before any is used.
   for (const auto& [i, voxel, leaf] : candidates(map, bundles)) {
     if (!leaf->occupied()) continue;
     std::optional<Correspondence>& best = matches[i];

@@ -19,8 +19,8 @@ struct Correspondence {
   double occupancy;             ///< probability that the leaf is there
 };
 
-/// Of each bundle the occupied leaf that is nearest by Mahalanobis distance, among the bundle's own voxel and
-/// the six that share a face with it; none when all are empty.
+/// Of each bundle the occupied leaf that is nearest by Mahalanobis distance, among the voxel of the bundle's
+/// mean and the three across the faces that this is nearest to; none when all are empty.
 std::vector<std::optional<Correspondence>> correspond(const Octree& map,
                                                       std::span<const Gaussian> bundles_sensor,
                                                       const Pose& T_map_sensor);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
 #include <evermap/localization/factor.hpp>
 
@@ -27,23 +27,35 @@ Eigen::Matrix<double, 3, 6> jacobian(const Eigen::Vector3d& from_sensor) {
   return J;
 }
 
-NormalEquations Factor::linearize(const Eigen::Vector3d& mean_map, const Eigen::Vector3d& from_sensor,
-                                  const RobustKernel& kernel) const {
+void Factor::add_to(NormalEquations& equations, const Eigen::Vector3d& mean_map,
+                    const Eigen::Vector3d& from_sensor, const RobustKernel& kernel) const {
   const Eigen::Vector3d residual = match.mean_leaf - mean_map;
   const double mahalanobis_squared = residual.dot(match.information * residual);
-  const double weight = trust * kernel.weight(mahalanobis_squared);
   const Twist row = jacobian(from_sensor).transpose() * normal;
-  const bool is_inlier = mahalanobis_squared < kChiSquared95;
-  return {weight * stiffness * row * row.transpose(), weight * stiffness * normal.dot(residual) * row, 1,
-          is_inlier ? 1U : 0U, is_inlier ? mahalanobis_squared : 0};
+  const Twist weighted = trust * kernel.weight(mahalanobis_squared) * stiffness * row;
+  equations.hessian += weighted * row.transpose();
+  equations.gradient += normal.dot(residual) * weighted;
+  ++equations.matched;
+  if (mahalanobis_squared >= kChiSquared95) return;
+  ++equations.inliers;
+  equations.inlier_error += mahalanobis_squared;
 }
 
 Factor make_factor(const Correspondence& match, double count) {
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
-  eigen.computeDirect(match.information);
-  const Eigen::Vector3d& lambda = eigen.eigenvalues();  // ascending
-  return {match, eigen.eigenvectors().col(2), lambda[2] - std::max(0.0, lambda[1]),
-          std::sqrt(count) * match.occupancy};
+  // Powers of M turn towards its stiffest axis. All eigenvectors would take three times as long.
+  const Eigen::Matrix3d& M = match.information;
+  const double trace = M.trace();
+  Eigen::Matrix3d power = M / trace;  // so that the 16th lies between 1 and 3^-16
+  for (int doubling = 0; doubling < 4; ++doubling) power = (power * power).eval();
+  Eigen::Index column = 0;
+  power.diagonal().maxCoeff(&column);
+  const Eigen::Vector3d normal = power.col(column).normalized();
+  const double stiffest = normal.dot(M * normal);
+  // Of the other two eigenvalues, the sum and the product are known.
+  const double half_sum = (trace - stiffest) / 2;
+  const double product = M.determinant() / stiffest;
+  const double next = half_sum + std::sqrt(std::max(0.0, half_sum * half_sum - product));
+  return {match, normal, std::max(0.0, stiffest - next), std::sqrt(count) * match.occupancy};
 }
 
 }  // namespace evermap

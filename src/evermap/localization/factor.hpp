@@ -38,14 +38,14 @@ Eigen::Matrix<double, 3, 6> jacobian(const Eigen::Vector3d& from_sensor);
 /// missed 1 cm or 0.1 degree; with this, none of 1000.
 struct Factor {
   Correspondence match;
-  Eigen::Vector3d normal;  ///< M's stiffest axis
+  Eigen::Vector3d normal;  ///< M's stiffest axis, the better the stiffer it is
   double stiffness;        ///< lambda_3 - lambda_2 of M's eigenvalues [1/m^2]
   double trust;            ///< sqrt(n_R) times the leaf's occupancy
 
-  /// This factor's share in the equations when the bundle's mean is `mean_map` [m]; `from_sensor` [m] leads
-  /// there from the sensor, in the map's axes.
-  NormalEquations linearize(const Eigen::Vector3d& mean_map, const Eigen::Vector3d& from_sensor,
-                            const RobustKernel& kernel) const;
+  /// Adds what this factor says when the bundle's mean is `mean_map` [m]; `from_sensor` [m] leads there from
+  /// the sensor, in the map's axes.
+  void add_to(NormalEquations& equations, const Eigen::Vector3d& mean_map, const Eigen::Vector3d& from_sensor,
+              const RobustKernel& kernel) const;
 };
 
 /// REQUIRES: the bundle has `count` points.

@@ -88,7 +88,7 @@ Registration Localizer::register_scan(const Octree& map, const Scan& scan, const
     return relocate(map, scan, predicted, p.lidar, p.registration, p.relocation);
   }
   if (state_ == TrackingState::kTracking) {
-    const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, p.lidar, p.registration.max_bundles);
+    const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, p.lidar);
     Registration found = register_bundles(map, bundles, predicted, p.registration);
     if (gate_.objection(found, predicted, slack).empty()) return found;
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,7 @@ namespace evermap {
 
 struct RegistrationParameters {
   Termination termination;
-  std::size_t max_bundles = 2000;     ///< of a scan; more are thinned evenly
+  std::size_t first_bundles = 1000;   ///< that find the pose, evenly over the scan; then all refine it
   std::size_t least_matches = 50;     ///< bundles on the map, below which a pose is a guess
   double first_kernel_width = 6;      ///< Mahalanobis distance; wide at first, so that far leaves may pull,
   double last_kernel_width = 2;       ///< then halved from step to step down to this one
@@ -56,17 +57,19 @@ std::string to_string(const Registration& registration);
 
 /// The bundles of a scan in its own frame, for registration; iterating then only transforms them. However
 /// fine the map, they are at least 0.4 m wide: of smaller ones, most hold too few points to tell a plane.
-std::vector<Gaussian> bundles_in_sensor_frame(const Scan& scan, double edge, const LidarParameters& lidar,
-                                              std::size_t max_bundles);
+/// Of more than `max_bundles`, as many are made, evenly spread.
+std::vector<Gaussian> bundles_in_sensor_frame(
+    const Scan& scan, double edge, const LidarParameters& lidar,
+    std::size_t max_bundles = std::numeric_limits<std::size_t>::max());
 
 /// Registers bundles [sensor frame] to the leaves of the map, distribution to distribution, from a pose that
 /// is off by no more than about a leaf's edge (coarse_to_fine reaches further).
 ///
 /// Minimizes the sum of w e' M e over the bundles, e = mu_V - T mu_R, M = (S_V + R S_R R')^-1 as far as
 /// Factor counts it, with w the square root of the bundle's points times the leaf's occupancy times the
-/// robust kernel. Bundles are matched anew only when the pose has moved by a millimetre since they were.
-/// Reads the map only; runs in parallel in the caller's TBB arena, with the same result for any number of
-/// threads.
+/// robust kernel. A few bundles come to rest first, matched anew only when the pose has moved by a millimetre
+/// since they were; then all are matched, once, and refine the pose. Reads the map only; runs in parallel in
+/// the caller's TBB arena, with the same result for any number of threads.
 Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
                               const Pose& T_map_sensor_guess, const RegistrationParameters& parameters);
 

@@ -6,11 +6,11 @@
 
 namespace evermap {
 
-/// When iterating is over.
+/// When the search for a pose is over; what is left is for refining it.
 struct Termination {
   int max_iterations = 40;
-  double least_translation = 5e-4;  ///< [m] a shorter step changes nothing that matters
-  double least_rotation = 5e-5;     ///< [rad]
+  double least_translation = 2e-3;  ///< [m] a shorter step changes nothing that refining would not
+  double least_rotation = 2e-4;     ///< [rad]
 
   bool is_settled(const Twist& step) const {
     return step.head<3>().norm() < least_translation && step.tail<3>().norm() < least_rotation;
