@@ -58,12 +58,21 @@ bool is_far(const Twist& since_matched) {
   return since_matched.head<3>().norm() > kTranslation || since_matched.tail<3>().norm() > kRotation;
 }
 
+/// Of more than `count` bundles as many, evenly spread.
 std::vector<Gaussian> thinned(const std::vector<Gaussian>& bundles, std::size_t count) {
   if (bundles.size() <= count) return bundles;
   std::vector<Gaussian> some;
   some.reserve(count);
   for (std::size_t i = 0; i < count; ++i) some.push_back(bundles[i * bundles.size() / count]);
   return some;
+}
+
+/// Moves the pose by one Gauss-Newton step, and returns it.
+Twist move(Registration& at, const NormalEquations& equations, double damping) {
+  Twist step = solve(equations, damping);
+  at.T_map_sensor = perturb(at.T_map_sensor, step);
+  ++at.iterations;
+  return step;
 }
 
 /// Matches and moves until the pose rests under the narrow kernel; false when it does not.
@@ -78,11 +87,10 @@ bool search(Registration& at, const Octree& map, const std::vector<Gaussian>& bu
       T_map_matched = at.T_map_sensor;
       factors = match(map, bundles_sensor, T_map_matched);
     }
-    const Twist step = solve(linearize(factors, bundles_sensor, at.T_map_sensor, kernel), parameters.damping);
-    at.T_map_sensor = perturb(at.T_map_sensor, step);
+    const NormalEquations equations = linearize(factors, bundles_sensor, at.T_map_sensor, kernel);
+    const Twist step = move(at, equations, parameters.damping);
     settled = kernel.width == parameters.last_kernel_width && parameters.termination.is_settled(step);
     kernel.width = std::max(kernel.width / 2, parameters.last_kernel_width);
-    ++at.iterations;
   }
   return settled;
 }
@@ -96,8 +104,7 @@ NormalEquations refine(Registration& at, const Octree& map, const std::vector<Ga
   NormalEquations equations;
   for (int i = 0; i < kSteps; ++i) {
     equations = linearize(factors, bundles_sensor, at.T_map_sensor, kernel);
-    at.T_map_sensor = perturb(at.T_map_sensor, solve(equations, parameters.damping));
-    ++at.iterations;
+    move(at, equations, parameters.damping);
   }
   return equations;
 }
