@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <mutex>
+#include <numeric>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 #include <fmt/core.h>
@@ -44,26 +45,30 @@ constexpr Known kExperiments[] = {{"a", experiment_a},
                                   {"ablation", experiment_ablation},
                                   {"robustness", experiment_robustness}};
 
-/// Says on the standard error what is under way; results go to the standard output.
-void say(const std::string& text) { fmt::print(stderr, "{}\n", text); }
-
-std::vector<Json> results_of(const Laboratory& laboratory, const Experiment& experiment) {
-  std::vector<Json> results;
-  for (std::size_t i = 0; i < experiment.units.size(); ++i) {
-    const Unit& unit = experiment.units[i];
-    const bool is_kept = laboratory.stored(unit).has_value();
-    say(fmt::format("experiment {}, part {} of {}: {}{}", experiment.name, i + 1, experiment.units.size(),
-                    unit.name, is_kept ? " (kept from an earlier run)" : ""));
-    std::unique_ptr<ProgressBar> bar;
-    results.push_back(laboratory.result(unit, [&](std::size_t done, std::size_t total) {
-      if (!bar) bar = std::make_unique<ProgressBar>(total);
-      bar->show(done);
-    }));
+/// Computes what is not there yet, and says on the standard error what is under way.
+void compute(const Laboratory& laboratory, const std::vector<Unit>& units) {
+  constexpr std::size_t kPercent = 100;
+  const ProgressBar bar(kPercent, "percent");
+  std::vector<Unit> missing;
+  for (const Unit& unit : units) {
+    if (laboratory.stored(unit)) {
+      bar.say(fmt::format("{} (kept from an earlier run)", unit.name));
+    } else {
+      missing.push_back(unit);
+    }
   }
-  return results;
+  std::mutex watching;
+  std::size_t begun = 0;
+  std::vector<std::size_t> percent(missing.size());
+  laboratory.compute(missing, [&](std::size_t i, std::size_t done, std::size_t total) {
+    const std::scoped_lock lock(watching);
+    if (done == 0) bar.say(fmt::format("part {} of {}: {}", ++begun, missing.size(), missing[i].name));
+    percent[i] = kPercent * done / total;
+    bar.show(std::accumulate(percent.begin(), percent.end(), std::size_t{0}) / missing.size());
+  });
 }
 
-/// The results of an experiment when all are there.
+/// The results of an experiment when all are there, else none.
 std::vector<Json> stored_results(const Laboratory& laboratory, const Experiment& experiment) {
   std::vector<Json> results;
   for (const Unit& unit : experiment.units) {
@@ -77,28 +82,34 @@ std::vector<Json> stored_results(const Laboratory& laboratory, const Experiment&
 void run(const Options& options) {
   for (const double leaf : options.setup.leaves) check_leaf(leaf);
   const Laboratory laboratory(options.folder, options.any_build);
+  const auto is_asked_for = [&](const Experiment& experiment) {
+    return options.name == experiment.name || options.name == "all";
+  };
+  std::vector<Experiment> experiments;
+  std::vector<Unit> units;
+  for (const auto& [name, make] : kExperiments) {
+    const Experiment& experiment = experiments.emplace_back(make(options.setup));
+    if (!is_asked_for(experiment)) continue;
+    for (const std::string& reason : experiment.left_out)
+      fmt::print(stderr, "experiment {}: {}\n", name, reason);
+    units.insert(units.end(), experiment.units.begin(), experiment.units.end());
+  }
+  compute(laboratory, units);
+
   Json all = Json::object();
   std::vector<Story> stories;
-  for (const auto& [name, make] : kExperiments) {
-    const bool is_asked_for = options.name == name || options.name == "all";
-    const Experiment experiment = make(options.setup);
-    if (is_asked_for) {
-      for (const std::string& reason : experiment.left_out)
-        say(fmt::format("experiment {}: {}", name, reason));
-    }
-    const auto results =
-        is_asked_for ? results_of(laboratory, experiment) : stored_results(laboratory, experiment);
-    if (results.empty()) continue;
+  for (const Experiment& experiment : experiments) {
     // What earlier runs have left there belongs on the page, too.
+    const auto results = stored_results(laboratory, experiment);
+    if (results.empty()) continue;
     stories.push_back(experiment.tell(results, laboratory.folder()));
     for (const std::string& reason : experiment.left_out)
       stories.back().blocks.emplace_back(Paragraph{reason});
     laboratory.write(experiment.name + ".csv", csv_of(stories.back()));
     laboratory.write(experiment.name + ".json", dump(to_json(experiment, results)));
-    if (!is_asked_for) continue;
-    all[name] = to_json(experiment, results);
+    if (!is_asked_for(experiment)) continue;
+    all[experiment.name] = to_json(experiment, results);
     if (!options.as_json) fmt::print("{}", text_of(stories.back()));
-    std::fflush(stdout);
   }
   write_page(laboratory, options.setup, stories);
   if (options.as_json) fmt::print("{}", dump(all));

@@ -4,26 +4,35 @@
 
 #include <cstdio>
 #include <unistd.h>
+#include <utility>
 
 #include <fmt/core.h>
 
 namespace evermap {
 
-ProgressBar::ProgressBar(std::size_t total) : total_(total), is_shown_(::isatty(STDERR_FILENO) == 1) {
+ProgressBar::ProgressBar(std::size_t total, std::string unit)
+    : total_(total), unit_(std::move(unit)), is_shown_(::isatty(STDERR_FILENO) == 1) {
   show(0);
 }
 
-ProgressBar::~ProgressBar() {
-  // Leaves the line empty for whatever is printed next.
-  if (is_shown_) fmt::print(stderr, "\r\x1b[K");
-}
+ProgressBar::~ProgressBar() { clear(); }
 
 void ProgressBar::show(std::size_t done) const {
   if (!is_shown_ || total_ == 0) return;
   constexpr std::size_t kWidth = 40;
-  fmt::print(stderr, "\r{:█<{}}{:░<{}} {} of {} scans", "", done * kWidth / total_, "",
-             kWidth - done * kWidth / total_, done, total_);
+  fmt::print(stderr, "\r{:█<{}}{:░<{}} {} of {} {}", "", done * kWidth / total_, "",
+             kWidth - done * kWidth / total_, done, total_, unit_);
   std::fflush(stderr);
+}
+
+void ProgressBar::say(const std::string& line) const {
+  clear();
+  fmt::print(stderr, "{}\n", line);
+}
+
+/// Leaves the line empty for whatever is printed next.
+void ProgressBar::clear() const {
+  if (is_shown_) fmt::print(stderr, "\r\x1b[K");
 }
 
 }  // namespace evermap

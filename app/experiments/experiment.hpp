@@ -32,6 +32,7 @@ struct Unit {
   std::string name;  ///< also of the file that it is kept in
   Json settings;     ///< all that its result depends on, besides the program
   std::function<Json(const Progress&)> compute;
+  bool is_timed = false;  ///< its result is a time, which must not depend on what else is at work
 };
 
 struct Experiment {

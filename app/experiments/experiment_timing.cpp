@@ -152,7 +152,8 @@ Experiment experiment_timing(const Setup& setup) {
     experiment.units.push_back(
         {fmt::format("timing_{}", leaf),
          {{"leaf", leaf}, {"scans", scans}, {"seed", setup.seed}},
-         [=, seed = setup.seed](const Progress& progress) { return compete(leaf, scans, seed, progress); }});
+         [=, seed = setup.seed](const Progress& progress) { return compete(leaf, scans, seed, progress); },
+         /*is_timed=*/true});
   }
   experiment.tell = [=](const std::vector<Json>& results, const std::filesystem::path& folder) {
     Story story{"Time of a scan"};

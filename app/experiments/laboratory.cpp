@@ -8,6 +8,8 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include "experiments/machine.hpp"
 #include <evermap/geometry/voxel_key.hpp>
@@ -62,6 +64,23 @@ std::optional<Json> Laboratory::stored(const Unit& unit) const {
   if (!(any_build_ || is_of_this_build) || kept.value("settings", Json()) != unit.settings)
     return std::nullopt;
   return kept["result"];
+}
+
+void Laboratory::compute(const std::vector<Unit>& units, const Watch& watch) const {
+  const auto compute = [&](std::size_t i) {
+    watch(i, 0, 1);
+    result(units[i], [&](std::size_t done, std::size_t total) { watch(i, done, total); });
+  };
+  oneapi::tbb::parallel_for(
+      oneapi::tbb::blocked_range<std::size_t>(0, units.size()),
+      [&](const auto& range) {
+        // A unit that waits for its own threads must not take up the next unit meanwhile.
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+          if (!units[i].is_timed) oneapi::tbb::this_task_arena::isolate([&] { compute(i); });
+      },
+      oneapi::tbb::simple_partitioner());
+  for (std::size_t i = 0; i < units.size(); ++i)
+    if (units[i].is_timed) compute(i);
 }
 
 Json Laboratory::result(const Unit& unit, const Progress& progress) const {

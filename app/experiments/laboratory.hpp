@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "experiments/experiment.hpp"
 
@@ -20,6 +23,12 @@ class Laboratory {
 
   const std::filesystem::path& folder() const { return folder_; }
 
+  /// Told that a unit begins (nothing is done) and goes on; from several threads.
+  using Watch = std::function<void(std::size_t unit, std::size_t done, std::size_t total)>;
+
+  /// Computes the units side by side, and then, one by one, those that are timed. Throws what one of them
+  /// throws; the others that were at work are kept.
+  void compute(const std::vector<Unit>& units, const Watch& watch) const;
   /// The result of a unit, computed when it is not there.
   Json result(const Unit& unit, const Progress& progress) const;
   /// The result of a unit, if it is there.

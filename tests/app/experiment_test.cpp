@@ -1,12 +1,18 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <mutex>
 #include <numbers>
+#include <stdexcept>
 #include <thread>
 
+#include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
 
 #include "app/program.hpp"
 #include "experiments/contest_story.hpp"
@@ -230,6 +236,50 @@ TEST_F(LaboratoryTest, KeepsWhatWasComputed) {
   }
   EXPECT_FALSE(laboratory.stored(unit(1)).has_value());
   EXPECT_EQ(laboratory.result(unit(1), ignore)["count"], 3);
+}
+
+TEST_F(LaboratoryTest, ComputesUnitsSideBySideAndTimedOnesAlone) {
+  std::atomic<int> at_work = 0;
+  std::atomic<int> most_beside_timed = 0;
+  std::vector<Unit> units;
+  for (int i = 0; i < 24; ++i) {
+    const bool is_timed = i % 4 == 1;
+    const auto compute = [&, i, is_timed](const Progress& progress) {
+      ++at_work;
+      std::atomic<int> sum = 0;
+      oneapi::tbb::parallel_for(0, 100, [&](int k) { sum += i * k; });
+      if (is_timed) most_beside_timed = std::max<int>(most_beside_timed, at_work - 1);
+      progress(1, 2);
+      progress(2, 2);
+      --at_work;
+      return Json{{"sum", sum.load()}};
+    };
+    units.push_back({fmt::format("part_{}", i), Json::object(), compute, is_timed});
+  }
+  const Laboratory laboratory(path("results"), false);
+  std::mutex watching;
+  std::vector<std::vector<std::size_t>> watched(units.size());
+  laboratory.compute(units, [&](std::size_t i, std::size_t done, std::size_t) {
+    const std::scoped_lock lock(watching);
+    watched[i].push_back(done);
+  });
+  EXPECT_EQ(most_beside_timed, 0);
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    EXPECT_EQ(watched[i], (std::vector<std::size_t>{0, 1, 2}));
+    EXPECT_EQ(laboratory.stored(units[i]).value()["sum"], 4950 * i);
+  }
+}
+
+TEST_F(LaboratoryTest, AUnitThatFailsDoesNotTakeOthersWithIt) {
+  std::vector<Unit> units{{"fine", Json::object(), [](const Progress&) { return Json{{"value", 1}}; }}};
+  for (int i = 0; i < 8; ++i)
+    units.push_back({fmt::format("bad_{}", i), Json::object(),
+                     [](const Progress&) -> Json { throw std::runtime_error("no scans"); }});
+  const Laboratory laboratory(path("results"), false);
+  const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_THROW(laboratory.compute(units, [](std::size_t, std::size_t, std::size_t) {}), std::runtime_error);
+  EXPECT_TRUE(laboratory.stored(units[0]).has_value());
+  EXPECT_FALSE(laboratory.stored(units[1]).has_value());
 }
 
 TEST_F(LaboratoryTest, TakesResultsOfAnotherBuildOnlyWhenTold) {
