@@ -16,8 +16,8 @@ Matrix6 walls(const std::vector<Eigen::Vector3d>& normals) {
     for (int x = -1; x <= 1; ++x) {
       for (int y = -1; y <= 1; ++y) {
         const Eigen::Vector3d r(kLever * x, kLever * y, kLever * ((x + 2 * y) % 3));
-        const auto J = jacobian(r);
-        hessian += J.transpose() * n * n.transpose() * J;
+        const Twist J = jacobian(n, r);
+        hessian += J * J.transpose();
       }
     }
   }

@@ -43,7 +43,7 @@ Pose shaken(const Pose& pose, double translation, double rotation, test::Random&
 }
 
 // Plain and slow: all leaves of the map are looked at, and everything is written out by the formulas.
-TEST(Correspondence, IsTheNearestOfFourVoxels) {
+TEST(Correspondence, IsTheNearestOfTheVoxelsThatAreAsked) {
   const Octree& map = yard_now().map;
   const Pose T = test::yard().T_map_sensor(3);
   test::Random random(5);
@@ -54,12 +54,14 @@ TEST(Correspondence, IsTheNearestOfFourVoxels) {
                           T.rotation * bundle_sensor.covariance * T.rotation.transpose(), 1};
     const Eigen::Vector3i voxel = *map.grid().voxel(bundle.mean);
     const Eigen::Vector3d in_voxel = bundle.mean - map.grid().center(VoxelKey::from_voxel(voxel));
+    const bool is_own_there = map.find(VoxelKey::from_voxel(voxel)) != nullptr;
     double best = std::numeric_limits<double>::infinity();
     Eigen::Matrix3d best_information = Eigen::Matrix3d::Zero();
     map.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
       const Eigen::Vector3i step = key.voxel() - voxel;
-      const bool is_near = step.cwiseAbs().sum() <= 1 && step.cast<double>().dot(in_voxel) >= 0;
-      if (!leaf.occupied() || !is_near) return;
+      const double towards = step.cast<double>().dot(in_voxel);  // [m] 0.2 from the centre is the face
+      const bool is_asked = step.isZero() || towards >= (is_own_there ? 0.12 : 0);
+      if (!leaf.occupied() || step.cwiseAbs().sum() > 1 || !is_asked) return;
       const Gaussian surface = map.gaussian(key, leaf);
       const Eigen::Matrix3d M = (surface.covariance + bundle.covariance).inverse();
       const double d2 = (surface.mean - bundle.mean).dot(M * (surface.mean - bundle.mean));

@@ -9,6 +9,9 @@
 namespace evermap {
 namespace {
 
+/// How near to a face a bundle may belong beyond it although its own voxel holds a leaf; a share of the edge.
+constexpr double kNearFace = 0.2;
+
 /// A leaf that a bundle may belong to.
 struct Candidate {
   std::size_t bundle;
@@ -24,16 +27,18 @@ std::vector<Candidate> candidates(const Octree& map, std::span<const Gaussian> b
   LeafFinder finder(map);
   const auto ask = [&](std::size_t bundle, const Eigen::Vector3i& voxel) {
     const Leaf* leaf = VoxelKey::in_range(voxel) ? finder.find(VoxelKey::from_voxel(voxel)) : nullptr;
-    if (leaf == nullptr) return;
+    if (leaf == nullptr) return false;
     leaf->prefetch();
     found.push_back({bundle, voxel, leaf});
+    return true;
   };
   for (std::size_t i = 0; i < bundles.size(); ++i) {
     const auto voxel = map.grid().voxel(bundles[i].mean);
     if (!voxel) continue;
-    ask(i, *voxel);
+    const double least = ask(i, *voxel) ? (0.5 - kNearFace) * map.grid().edge : 0;
     const Eigen::Vector3d from_center = bundles[i].mean - map.grid().center(*voxel);
     for (int axis = 0; axis < 3; ++axis) {
+      if (std::abs(from_center[axis]) < least) continue;
       ask(i, *voxel + (from_center[axis] < 0 ? -1 : 1) * Eigen::Vector3i::Unit(axis));
     }
   }

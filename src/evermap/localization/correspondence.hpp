@@ -20,7 +20,8 @@ struct Correspondence {
 };
 
 /// Of each bundle the occupied leaf that is nearest by Mahalanobis distance, among the voxel of the bundle's
-/// mean and the three across the faces that this is nearest to; none when all are empty.
+/// mean and, where that holds no leaf or a face is near, those across the nearest faces; none when all are
+/// empty.
 std::vector<std::optional<Correspondence>> correspond(const Octree& map,
                                                       std::span<const Gaussian> bundles_sensor,
                                                       const Pose& T_map_sensor);

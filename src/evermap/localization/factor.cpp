@@ -18,20 +18,15 @@ NormalEquations& NormalEquations::operator+=(const NormalEquations& other) {
   return *this;
 }
 
-Eigen::Matrix<double, 3, 6> jacobian(const Eigen::Vector3d& from_sensor) {
-  const Eigen::Vector3d& r = from_sensor;
-  Eigen::Matrix<double, 3, 6> J;
-  J << -1, 0, 0, 0, -r.z(), r.y(),  //
-      0, -1, 0, r.z(), 0, -r.x(),   //
-      0, 0, -1, -r.y(), r.x(), 0;
-  return J;
+Twist jacobian(const Eigen::Vector3d& normal, const Eigen::Vector3d& from_sensor) {
+  return (Twist() << -normal, normal.cross(from_sensor)).finished();
 }
 
 void Factor::add_to(NormalEquations& equations, const Eigen::Vector3d& mean_map,
                     const Eigen::Vector3d& from_sensor, const RobustKernel& kernel) const {
   const Eigen::Vector3d residual = match.mean_leaf - mean_map;
   const double mahalanobis_squared = residual.dot(match.information * residual);
-  const Twist row = jacobian(from_sensor).transpose() * normal;
+  const Twist row = jacobian(normal, from_sensor);
   const Twist weighted = trust * kernel.weight(mahalanobis_squared) * stiffness * row;
   equations.hessian += weighted * row.transpose();
   equations.gradient += normal.dot(residual) * weighted;
@@ -45,11 +40,12 @@ Factor make_factor(const Correspondence& match, double count) {
   // Powers of M turn towards its stiffest axis. All eigenvectors would take three times as long.
   const Eigen::Matrix3d& M = match.information;
   const double trace = M.trace();
-  Eigen::Matrix3d power = M / trace;  // so that the 16th lies between 1 and 3^-16
-  for (int doubling = 0; doubling < 4; ++doubling) power = (power * power).eval();
+  Eigen::Matrix3d power = M / trace;  // so that the 24th lies between 1 and 3^-24
+  for (int doubling = 0; doubling < 3; ++doubling) power = (power * power).eval();
   Eigen::Index column = 0;
   power.diagonal().maxCoeff(&column);
-  const Eigen::Vector3d normal = power.col(column).normalized();
+  Eigen::Vector3d normal = power * (power * power.col(column));
+  normal.normalize();
   const double stiffest = normal.dot(M * normal);
   // Of the other two eigenvalues, the sum and the product are known.
   const double half_sum = (trace - stiffest) / 2;

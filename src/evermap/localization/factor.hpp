@@ -26,8 +26,9 @@ struct NormalEquations {
   NormalEquations& operator+=(const NormalEquations& other);
 };
 
-/// J = de/dtwist = [-I, [r]x] for e = mu_V - mu_R, with r = mu_R - t the bundle as seen from the sensor.
-Eigen::Matrix<double, 3, 6> jacobian(const Eigen::Vector3d& from_sensor);
+/// J' n = d(n'e)/dtwist, of e = mu_V - mu_R along `normal` n, with J = [-I, [r]x] and r = mu_R - t, which is
+/// `from_sensor` [m].
+Twist jacobian(const Eigen::Vector3d& normal, const Eigen::Vector3d& from_sensor);
 
 /// What a leaf says about the bundle that it was matched with.
 ///

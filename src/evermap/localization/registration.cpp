@@ -53,8 +53,8 @@ NormalEquations linearize(const Factors& factors, const std::vector<Gaussian>& b
 
 /// Whether a pose has moved so far that bundles may belong to other leaves.
 bool is_far(const Twist& since_matched) {
-  constexpr double kTranslation = 0.001;  // [m]
-  constexpr double kRotation = 1e-4;      // [rad]
+  constexpr double kTranslation = 0.003;  // [m]
+  constexpr double kRotation = 3e-4;      // [rad]
   return since_matched.head<3>().norm() > kTranslation || since_matched.tail<3>().norm() > kRotation;
 }
 

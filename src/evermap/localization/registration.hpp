@@ -67,9 +67,9 @@ std::vector<Gaussian> bundles_in_sensor_frame(
 ///
 /// Minimizes the sum of w e' M e over the bundles, e = mu_V - T mu_R, M = (S_V + R S_R R')^-1 as far as
 /// Factor counts it, with w the square root of the bundle's points times the leaf's occupancy times the
-/// robust kernel. A few bundles come to rest first, matched anew only when the pose has moved by a millimetre
-/// since they were; then all are matched, once, and refine the pose. Reads the map only; runs in parallel in
-/// the caller's TBB arena, with the same result for any number of threads.
+/// robust kernel. A few bundles come to rest first, matched anew only when the pose has moved by some
+/// millimetres since they were; then all are matched, once, and refine the pose. Reads the map only; runs in
+/// parallel in the caller's TBB arena, with the same result for any number of threads.
 Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
                               const Pose& T_map_sensor_guess, const RegistrationParameters& parameters);
 

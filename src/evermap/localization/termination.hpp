@@ -9,8 +9,8 @@ namespace evermap {
 /// When the search for a pose is over; what is left is for refining it.
 struct Termination {
   int max_iterations = 40;
-  double least_translation = 2e-3;  ///< [m] a shorter step changes nothing that refining would not
-  double least_rotation = 2e-4;     ///< [rad]
+  double least_translation = 3e-3;  ///< [m] a shorter step changes nothing that refining would not
+  double least_rotation = 3e-4;     ///< [rad]
 
   bool is_settled(const Twist& step) const {
     return step.head<3>().norm() < least_translation && step.tail<3>().norm() < least_rotation;

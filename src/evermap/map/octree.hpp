@@ -54,6 +54,9 @@ class Octree {
     const auto found = blocks_.find(block_key);
     return found == blocks_.end() ? nullptr : &found->second;
   }
+  Block* find_block(std::uint64_t block_key) {
+    return const_cast<Block*>(std::as_const(*this).find_block(block_key));
+  }
   /// The brick that holds this voxel, if it holds any leaf.
   const Brick* find_brick(VoxelKey key) const {
     const Block* block = find_block(key.block());
@@ -119,17 +122,22 @@ class Octree {
   std::size_t leaf_count_ = 0;
 };
 
-/// Finds leaves one after the other, and fast where they follow one another in a brick. Becomes invalid when
-/// a leaf is inserted or erased. `Map` is Octree or const Octree. Not thread safe: one for each task.
+/// Finds leaves one after the other, and fast where they follow one another in a brick or a block. Becomes
+/// invalid when a leaf is inserted or erased. `Map` is Octree or const Octree. Not thread safe: one for each
+/// task.
 template <class Map>
 class LeafFinder {
  public:
   explicit LeafFinder(Map& map) : map_(map) {}
 
   auto find(VoxelKey key) {
-    if (key.brick() != at_) {
-      at_ = key.brick();
-      brick_ = map_.find_brick(key);
+    if (key.block() != block_at_) {
+      block_at_ = key.block();
+      block_ = map_.find_block(block_at_);
+    }
+    if (key.brick() != brick_at_) {
+      brick_at_ = key.brick();
+      brick_ = block_ ? block_->find(key.brick_in_block()) : nullptr;
     }
     return brick_ ? brick_->find(key.voxel_in_brick()) : nullptr;
   }
@@ -138,7 +146,9 @@ class LeafFinder {
   static constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
 
   Map& map_;
-  std::uint64_t at_ = kNowhere;
+  std::uint64_t block_at_ = kNowhere;
+  std::uint64_t brick_at_ = kNowhere;
+  decltype(std::declval<Map&>().find_block(0)) block_ = nullptr;
   decltype(std::declval<Map&>().find_brick(VoxelKey())) brick_ = nullptr;
 };
 

@@ -36,6 +36,7 @@ std::size_t part(double value, double limit, std::size_t count, double padding) 
 }
 
 constexpr double kPadding = 1e-6;    ///< of a cell
+constexpr double kRounding = 1e-6;   ///< of a distance as a float, generously
 constexpr std::size_t kGrain = 512;  ///< rays per task
 
 }  // namespace
@@ -70,9 +71,11 @@ RayFan::RayFan(const VoxelGrid& grid, const Eigen::Vector3d& origin_map, std::sp
     if (cells[i] != kNoCell) sorted[next[cells[i]]++] = i;
   }
   rays_.resize(sorted.size());
+  reach_.resize(sorted.size());
   for_each_index(sorted.size(), kGrain, [&](std::size_t i) {
     const Target& target = targets[sorted[i]];
     rays_[i] = {target, VoxelRay::towards(origin_, direction(target)).inverse, sorted[i]};
+    reach_[i] = static_cast<float>((1 + kRounding) * target.until * direction(target).norm());
   });
 }
 

@@ -50,10 +50,12 @@ class RayFan {
     const Eigen::AlignedBox3i bounds = leaves.bounds().translate(placed.corner);
     const Eigen::AlignedBox3d box(bounds.min().cast<double>() - origin_,
                                   (bounds.max().array() + 1).matrix().cast<double>() - origin_);
+    const auto distance = static_cast<float>(box.exteriorDistance(Eigen::Vector3d(0, 0, 0)));
     for (const Cells& cells : cells_of(box)) {
       for (std::size_t row = cells.first_row; row < cells.last_row; ++row) {
         const std::size_t end = cell_begin_[row * kColumns + cells.last_column];
         for (std::size_t i = cell_begin_[row * kColumns + cells.first_column]; i < end; ++i) {
+          if (reach_[i] < distance) continue;
           if (may_cross(rays_[i], box)) meet(rays_[i], placed, leaves, bounds, visit);
         }
       }
@@ -114,6 +116,7 @@ class RayFan {
   Eigen::Vector3i start_;   ///< voxel of the origin
   Eigen::AlignedBox3i voxels_;
   std::vector<FanRay> rays_;
+  std::vector<float> reach_;  ///< [voxels] how far each ray is looked at; half of all tests need no more
   std::vector<std::uint32_t> cell_begin_;  ///< index of each cell's first ray, and the number of rays
 };
 

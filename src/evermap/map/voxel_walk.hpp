@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -46,13 +45,16 @@ class VoxelWalk {
  public:
   /// REQUIRES: `start` is the voxel of the ray's origin.
   VoxelWalk(const VoxelRay& ray, const Eigen::Vector3i& start) : ray_(ray), voxel_(start) {
-    for (int axis = 0; axis < 3; ++axis) look_ahead(axis);
+    for (int axis = 0; axis < 3; ++axis) {
+      ahead_[axis] = ray_.ascends(axis) ? 1 : 0;
+      look_ahead(axis);
+    }
   }
 
   const Eigen::Vector3i& voxel() const { return voxel_; }
   double entry() const { return entry_; }      ///< of the voxel, as a share of the ray's length
   bool inside() const { return entry_ <= 1; }  ///< false once the ray has ended
-  double exit() const { return next_[static_cast<std::size_t>(first_axis())]; }  ///< of the voxel
+  double exit() const { return std::min(std::min(next_[0], next_[1]), next_[2]); }  ///< of the voxel
 
   /// The crossing of one boundary.
   struct Crossing {
@@ -65,7 +67,7 @@ class VoxelWalk {
   Crossing exit(int level) const {
     Crossing first{std::numeric_limits<double>::infinity(), 0, 0};
     for (int axis = 0; axis < 3; ++axis) {
-      const int boundary = ((voxel_[axis] >> level) + (ray_.ascends(axis) ? 1 : 0)) * (1 << level);
+      const int boundary = ((voxel_[axis] >> level) + ahead_[axis]) * (1 << level);
       const double time = ray_.crossing(axis, boundary);
       if (time < first.time) first = {time, axis, boundary};
     }
@@ -86,11 +88,13 @@ class VoxelWalk {
 
   /// Moves to the next voxel.
   void step() {
-    const int axis = first_axis();
-    entry_ = next_[static_cast<std::size_t>(axis)];
-    if (!inside()) return;
-    voxel_[axis] += ray_.ascends(axis) ? 1 : -1;
-    look_ahead(axis);
+    const int first = first_axis();
+    entry_ = exit();
+    // Nothing foretells which axis it is: to do the same for all is faster than to choose one.
+    for (int axis = 0; axis < 3; ++axis) {
+      voxel_[axis] += axis == first ? 2 * ahead_[axis] - 1 : 0;
+      look_ahead(axis);
+    }
   }
 
   /// Moves to the first voxel beyond a crossing ahead. REQUIRES: the ray makes this crossing.
@@ -98,21 +102,18 @@ class VoxelWalk {
     entry_ = crossing.time;
     if (!inside()) return;
     for (int axis = 0; axis < 3; ++axis) {
-      voxel_[axis] =
-          axis != crossing.axis ? index_at(axis, crossing) : crossing.boundary - (ray_.ascends(axis) ? 0 : 1);
+      voxel_[axis] = axis != crossing.axis ? index_at(axis, crossing) : crossing.boundary - 1 + ahead_[axis];
       look_ahead(axis);
     }
   }
 
  private:
-  void look_ahead(int axis) {
-    next_[static_cast<std::size_t>(axis)] = ray_.crossing(axis, voxel_[axis] + (ray_.ascends(axis) ? 1 : 0));
-  }
+  void look_ahead(int axis) { next_[axis] = ray_.crossing(axis, voxel_[axis] + ahead_[axis]); }
 
   /// The axis along which the ray leaves the voxel.
   int first_axis() const {
     const int lower = next_[1] < next_[0] ? 1 : 0;
-    return next_[2] < next_[static_cast<std::size_t>(lower)] ? 2 : lower;
+    return next_[2] < std::min(next_[0], next_[1]) ? 2 : lower;
   }
 
   /// The voxel index along `axis` when the ray makes a crossing: a guess, corrected by exact crossings.
@@ -137,8 +138,9 @@ class VoxelWalk {
 
   VoxelRay ray_;
   Eigen::Vector3i voxel_;
+  Eigen::Vector3i ahead_;  ///< of the voxel's two boundaries along each axis, the one that the ray crosses
   double entry_ = 0;
-  std::array<double, 3> next_;  ///< when the ray leaves the voxel along each axis
+  Eigen::Vector3d next_;  ///< when it does
 };
 
 }  // namespace evermap

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -20,7 +21,7 @@ struct Run {
   std::uint32_t begin, end;  ///< indices in the scan
 };
 
-/// What a stretch of the scan's points comes to.
+/// What a stretch of the scan's points comes to, besides their places in the map.
 struct Stretch {
   std::vector<Run> runs;
   std::size_t dropped_near = 0;
@@ -29,19 +30,29 @@ struct Stretch {
 };
 
 Stretch runs_of(const Scan& scan, std::size_t begin, std::size_t end, const Pose& T_map_sensor,
-                const VoxelGrid& grid, const LidarParameters& lidar) {
+                const VoxelGrid& grid, const LidarParameters& lidar, std::vector<Eigen::Vector3d>& p_map) {
   Stretch stretch;
-  stretch.runs.reserve(end - begin);
-  for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+  // All keys first: where one run ends and the next begins, nothing foretells, and waiting for it would keep
+  // the next points waiting.
+  std::array<std::optional<VoxelKey>, kGrain> keys;
+  for (std::size_t i = begin; i < end; ++i) {
     const Eigen::Vector3d& p_sensor = scan.p_sensor[i];
+    p_map[i] = T_map_sensor * p_sensor;
     const double range_squared = p_sensor.squaredNorm();
+    std::optional<VoxelKey>& key = keys[i - begin];
     if (range_squared < lidar.min_range * lidar.min_range) {
       ++stretch.dropped_near;
     } else if (range_squared > lidar.max_range * lidar.max_range) {
       ++stretch.dropped_far;
-    } else if (const auto key = grid.key(T_map_sensor * p_sensor); !key) {
+    } else if (key = grid.key(p_map[i]); !key) {
       ++stretch.dropped_out_of_grid;
-    } else if (!stretch.runs.empty() && stretch.runs.back().key == *key && stretch.runs.back().end == i) {
+    }
+  }
+  stretch.runs.reserve(end - begin);
+  for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+    const std::optional<VoxelKey>& key = keys[i - begin];
+    if (!key) continue;
+    if (i > begin && keys[i - 1 - begin] == key) {
       ++stretch.runs.back().end;
     } else {
       stretch.runs.push_back({*key, i, i + 1});
@@ -75,8 +86,8 @@ void sort_by_key(std::vector<Run>& runs) {
   }
 }
 
-RayBundle bundle_of(std::span<const Run> runs, const Scan& scan, const Pose& T_map_sensor,
-                    const VoxelGrid& grid, double thickness) {
+RayBundle bundle_of(std::span<const Run> runs, std::span<const Eigen::Vector3d> p_map, const VoxelGrid& grid,
+                    double thickness) {
   // Moments about the voxel's centre, where coordinates are small and sums lose nothing; in scalars, since
   // the compiler keeps those in registers.
   const Eigen::Vector3d center_map = grid.center(runs.front().key);
@@ -84,7 +95,7 @@ RayBundle bundle_of(std::span<const Run> runs, const Scan& scan, const Pose& T_m
   for (const Run& run : runs) {
     count += run.end - run.begin;
     for (std::uint32_t i = run.begin; i < run.end; ++i) {
-      const Eigen::Vector3d p = T_map_sensor * scan.p_sensor[i] - center_map;
+      const Eigen::Vector3d p = p_map[i] - center_map;
       x += p.x(), y += p.y(), z += p.z();
       xx += p.x() * p.x(), xy += p.x() * p.y(), xz += p.x() * p.z();
       yy += p.y() * p.y(), yz += p.y() * p.z(), zz += p.z() * p.z();
@@ -121,9 +132,10 @@ BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid&
   BundleGrid result;
   result.origin_map = T_map_sensor.translation;
   const std::size_t count = scan.p_sensor.size();
+  std::vector<Eigen::Vector3d> p_map(count);
   std::vector<Stretch> stretches(chunks(count, kGrain));
   for_each_chunk(count, kGrain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    stretches[chunk] = runs_of(scan, begin, end, T_map_sensor, grid, lidar);
+    stretches[chunk] = runs_of(scan, begin, end, T_map_sensor, grid, lidar, p_map);
   });
   std::vector<Run> runs;
   runs.reserve(count);
@@ -147,7 +159,7 @@ BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid&
   for_each_index(result.bundles_.size(), kGrain, [&](std::size_t i) {
     const std::size_t voxel = i * voxels / result.bundles_.size();
     const auto in_voxel = std::span(runs).subspan(begin[voxel], begin[voxel + 1] - begin[voxel]);
-    result.bundles_[i] = bundle_of(in_voxel, scan, T_map_sensor, grid, thickness);
+    result.bundles_[i] = bundle_of(in_voxel, p_map, grid, thickness);
   });
   return result;
 }
