@@ -107,11 +107,11 @@ void evermap_coarse_to_fine(benchmark::State& state) {
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
 Cloud::Ptr cloud_of(const std::vector<Eigen::Vector3d>& points, double edge) {
-  const auto all = pcl::make_shared<Cloud>();
+  auto all = pcl::make_shared<Cloud>();
   for (const Eigen::Vector3d& p : points)
     all->push_back(pcl::PointXYZ(p.cast<float>().x(), p.cast<float>().y(), p.cast<float>().z()));
   if (edge == 0) return all;
-  const auto thinned = pcl::make_shared<Cloud>();
+  auto thinned = pcl::make_shared<Cloud>();
   pcl::VoxelGrid<pcl::PointXYZ> filter;
   filter.setLeafSize(static_cast<float>(edge), static_cast<float>(edge), static_cast<float>(edge));
   filter.setInputCloud(all);

@@ -296,7 +296,8 @@ void confirm(std::map<VoxelKey, ReferenceLeaf>& leaves, const Bundle& bundle, co
                 n,
             n, old.log_odds + parameters.hit};
     if (old.log_odds >= parameters.max_log_odds) {
-      leaf.log_odds = std::min(old.log_odds + parameters.firming, parameters.firm_log_odds);
+      const double most = std::max(parameters.firm_log_odds, parameters.max_log_odds);
+      leaf.log_odds = std::min(old.log_odds + parameters.firming, most);
     } else {
       leaf.log_odds = std::min(leaf.log_odds, parameters.max_log_odds);
     }

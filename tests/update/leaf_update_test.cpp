@@ -98,6 +98,12 @@ TEST(Confirm, BeyondWhatAFewHitsTellLeavesGrowFirmSlowly) {
   for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(found[i], expected[i], 1e-6) << i;
 }
 
+TEST(Confirm, AClampAboveTheFirmOneIsTheMost) {
+  UpdateParameters parameters;
+  parameters.max_log_odds = 12;
+  EXPECT_FLOAT_EQ(log_odds_of_hits(parameters, 20).back(), 12);
+}
+
 TEST(Confirm, ThePapersLogOddsStopAtTheClamp) {
   EXPECT_FLOAT_EQ(log_odds_of_hits(UpdateParameters::paper(), 10).back(), 3.5F);
 }

@@ -18,7 +18,7 @@
 namespace evermap {
 namespace {
 
-constexpr double kLeastBundleEdge = 0.6;  ///< [m]
+constexpr double kLeastBundleEdge = 0.4;  ///< [m]
 constexpr std::size_t kChunk = 256;       ///< bundles per task; fixed, so that sums do not depend on threads
 
 using Factors = std::vector<std::optional<Factor>>;  ///< one a bundle, none where it is off the map

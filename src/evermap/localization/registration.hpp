@@ -56,7 +56,7 @@ struct Registration {
 std::string to_string(const Registration& registration);
 
 /// The bundles of a scan in its own frame, for registration; iterating then only transforms them. However
-/// fine the map, they are at least 0.6 m wide: of smaller ones, most hold too few points to tell a plane.
+/// fine the map, they are at least 0.4 m wide: of smaller ones, most hold too few points to tell a plane.
 /// Of more than `max_bundles`, as many are made, evenly spread.
 std::vector<Gaussian> bundles_in_sensor_frame(
     const Scan& scan, double edge, const LidarParameters& lidar,

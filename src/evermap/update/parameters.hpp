@@ -52,7 +52,7 @@ struct UpdateParameters {
   double firm_log_odds = 9;  ///< which only many scans can tell: foliage and edges, hit and passed in turns
   int confirmations = 3;     ///< scans that must hit a new leaf before it is occupied
   double max_count = 1000;   ///< [points] a leaf's memory: older surface is forgotten beyond
-  double forgetting = 0.5;   ///< share of this memory that one full contradiction takes
+  double forgetting = 0.5;   ///< share in [0, 1] of this memory that one full contradiction takes
 
   double standstill = 0.1;  ///< [m] a sensor that moved less sees the same again (Viewpoint); 0: never
 
