@@ -2,14 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experiments/laboratory.hpp"
 
+#include <atomic>
 #include <fstream>
+#include <future>
 #include <iterator>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/global_control.h>
 
 #include "experiments/machine.hpp"
 #include <evermap/geometry/voxel_key.hpp>
@@ -71,16 +72,25 @@ void Laboratory::compute(const std::vector<Unit>& units, const Watch& watch) con
     watch(i, 0, 1);
     result(units[i], [&](std::size_t done, std::size_t total) { watch(i, done, total); });
   };
-  oneapi::tbb::parallel_for(
-      oneapi::tbb::blocked_range<std::size_t>(0, units.size()),
-      [&](const auto& range) {
-        // A unit that waits for its own threads must not take up the next unit meanwhile.
-        for (std::size_t i = range.begin(); i < range.end(); ++i)
-          if (!units[i].is_timed) oneapi::tbb::this_task_arena::isolate([&] { compute(i); });
-      },
-      oneapi::tbb::simple_partitioner());
-  for (std::size_t i = 0; i < units.size(); ++i)
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    try {
+      for (std::size_t i = next++; i < units.size(); i = next++) {
+        if (!units[i].is_timed) compute(i);
+      }
+    } catch (...) {
+      next = units.size();
+      throw;
+    }
+  };
+  // Threads besides TBB's: those wait within a unit for its slowest contender, and take up no other unit.
+  std::vector<std::future<void>> workers(
+      oneapi::tbb::global_control::active_value(oneapi::tbb::global_control::max_allowed_parallelism));
+  for (auto& worker : workers) worker = std::async(std::launch::async, work);
+  for (auto& worker : workers) worker.get();
+  for (std::size_t i = 0; i < units.size(); ++i) {
     if (units[i].is_timed) compute(i);
+  }
 }
 
 Json Laboratory::result(const Unit& unit, const Progress& progress) const {

@@ -138,7 +138,7 @@ class VoxelWalk {
 
   VoxelRay ray_;
   Eigen::Vector3i voxel_;
-  Eigen::Vector3i ahead_;  ///< of the voxel's two boundaries along each axis, the one that the ray crosses
+  Eigen::Vector3i ahead_;  ///< 0 or 1: which of a voxel's two boundaries the ray crosses, along each axis
   double entry_ = 0;
   Eigen::Vector3d next_;  ///< when it does
 };
