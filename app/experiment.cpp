@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -57,11 +56,9 @@ void compute(const Laboratory& laboratory, const std::vector<Unit>& units) {
       missing.push_back(unit);
     }
   }
-  std::mutex watching;
   std::size_t begun = 0;
   std::vector<std::size_t> percent(missing.size());
   laboratory.compute(missing, [&](std::size_t i, std::size_t done, std::size_t total) {
-    const std::scoped_lock lock(watching);
     if (done == 0) bar.say(fmt::format("part {} of {}: {}", ++begun, missing.size(), missing[i].name));
     percent[i] = kPercent * done / total;
     bar.show(std::accumulate(percent.begin(), percent.end(), std::size_t{0}) / missing.size());

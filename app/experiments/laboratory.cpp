@@ -6,6 +6,7 @@
 #include <fstream>
 #include <future>
 #include <iterator>
+#include <mutex>
 #include <system_error>
 #include <utility>
 
@@ -68,9 +69,14 @@ std::optional<Json> Laboratory::stored(const Unit& unit) const {
 }
 
 void Laboratory::compute(const std::vector<Unit>& units, const Watch& watch) const {
+  std::mutex watching;
   const auto compute = [&](std::size_t i) {
-    watch(i, 0, 1);
-    result(units[i], [&](std::size_t done, std::size_t total) { watch(i, done, total); });
+    const auto tell = [&, i](std::size_t done, std::size_t total) {
+      const std::scoped_lock lock(watching);
+      watch(i, done, total);
+    };
+    tell(0, 1);
+    result(units[i], tell);
   };
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {

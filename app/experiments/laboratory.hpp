@@ -23,7 +23,7 @@ class Laboratory {
 
   const std::filesystem::path& folder() const { return folder_; }
 
-  /// Told that a unit begins (nothing is done) and goes on; from several threads.
+  /// Told that a unit begins (nothing is done) and goes on; by several threads, but one at a time.
   using Watch = std::function<void(std::size_t unit, std::size_t done, std::size_t total)>;
 
   /// Computes the units side by side, and then, one by one, those that are timed. Throws what one of them

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <mutex>
 #include <numbers>
 #include <stdexcept>
 #include <thread>
@@ -257,12 +256,9 @@ TEST_F(LaboratoryTest, ComputesUnitsSideBySideAndTimedOnesAlone) {
     units.push_back({fmt::format("part_{}", i), Json::object(), compute, is_timed});
   }
   const Laboratory laboratory(path("results"), false);
-  std::mutex watching;
   std::vector<std::vector<std::size_t>> watched(units.size());
-  laboratory.compute(units, [&](std::size_t i, std::size_t done, std::size_t) {
-    const std::scoped_lock lock(watching);
-    watched[i].push_back(done);
-  });
+  laboratory.compute(units,
+                     [&](std::size_t i, std::size_t done, std::size_t) { watched[i].push_back(done); });
   EXPECT_EQ(most_beside_timed, 0);
   for (std::size_t i = 0; i < units.size(); ++i) {
     EXPECT_EQ(watched[i], (std::vector<std::size_t>{0, 1, 2}));

@@ -74,8 +74,9 @@ RayFan::RayFan(const VoxelGrid& grid, const Eigen::Vector3d& origin_map, std::sp
   reach_.resize(sorted.size());
   for_each_index(sorted.size(), kGrain, [&](std::size_t i) {
     const Target& target = targets[sorted[i]];
-    rays_[i] = {target, VoxelRay::towards(origin_, direction(target)).inverse, sorted[i]};
-    reach_[i] = static_cast<float>((1 + kRounding) * target.until * direction(target).norm());
+    const Eigen::Vector3d d = direction(target);
+    rays_[i] = {target, VoxelRay::towards(origin_, d).inverse, sorted[i]};
+    reach_[i] = static_cast<float>((1 + kRounding) * target.until * d.norm());
   });
 }
 
