@@ -36,12 +36,29 @@ void Factor::add_to(NormalEquations& equations, const Eigen::Vector3d& mean_map,
   equations.inlier_error += mahalanobis_squared;
 }
 
+namespace {
+
+/// The square of a symmetric matrix: symmetric, too, so that half of the products are enough.
+Eigen::Matrix3d square(const Eigen::Matrix3d& S) {
+  const double xx = S(0, 0), xy = S(1, 0), xz = S(2, 0), yy = S(1, 1), yz = S(2, 1), zz = S(2, 2);
+  Eigen::Matrix3d squared;
+  squared(0, 0) = xx * xx + xy * xy + xz * xz;
+  squared(1, 1) = xy * xy + yy * yy + yz * yz;
+  squared(2, 2) = xz * xz + yz * yz + zz * zz;
+  squared(0, 1) = squared(1, 0) = xy * (xx + yy) + xz * yz;
+  squared(0, 2) = squared(2, 0) = xz * (xx + zz) + xy * yz;
+  squared(1, 2) = squared(2, 1) = yz * (yy + zz) + xy * xz;
+  return squared;
+}
+
+}  // namespace
+
 Factor make_factor(const Correspondence& match, double count) {
   // Powers of M turn towards its stiffest axis. All eigenvectors would take three times as long.
   const Eigen::Matrix3d& M = match.information;
   const double trace = M.trace();
   Eigen::Matrix3d power = M / trace;  // so that the 24th lies between 1 and 3^-24
-  for (int doubling = 0; doubling < 3; ++doubling) power = (power * power).eval();
+  for (int doubling = 0; doubling < 3; ++doubling) power = square(power);
   Eigen::Index column = 0;
   power.diagonal().maxCoeff(&column);
   Eigen::Vector3d normal = power * (power * power.col(column));
