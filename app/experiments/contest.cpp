@@ -65,7 +65,10 @@ class Contest {
         contenders_[i]->update(aligned.scan, T_map_sensor);
       }
       for (const Passer& passer : course_.passers()) {
-        results_[i]["shown"][passer.name].push_back(shown(*contenders_[i], passer.p_map[scan]));
+        results_[i]["shown"][passer.name].push_back(
+            share_seen(*contenders_[i], &Contender::claims, passer.p_map[scan]));
+        results_[i]["noticed"][passer.name].push_back(
+            share_seen(*contenders_[i], &Contender::notices, passer.p_map[scan]));
       }
     });
   }
@@ -104,11 +107,12 @@ class Contest {
   }
 
  private:
-  /// Share of what a scan shows of a passer that the map shows after it.
-  Json shown(const Contender& contender, const Points& p_map) const {
+  /// Share of what a scan shows of a passer of which the map says so after it; null when it shows nothing.
+  Json share_seen(const Contender& contender, bool (Contender::*says)(const Eigen::Vector3d&, double) const,
+                  const Points& p_map) const {
     if (p_map.empty()) return nullptr;
     return share_true(p_map,
-                      [&](const Eigen::Vector3d& p) { return contender.claims(p, course_.position_sigma); });
+                      [&](const Eigen::Vector3d& p) { return (contender.*says)(p, course_.position_sigma); });
   }
 
   const Course& course_;

@@ -145,6 +145,17 @@ TEST_P(ContenderTest, AddsWhatAppearedUnlessItIsStatic) {
   EXPECT_EQ(share_claimed(*contender_, box()) > 0.95, GetParam() != "static map");
 }
 
+TEST_P(ContenderTest, NoticesAtFirstSightWhatAppearedUnlessItIsStatic) {
+  contender_->start(wall());
+  Random random(1);
+  contender_->update(scene(true).scan(place(0), kPointsOfScan, 0.01, random), place(0));
+  const double noticed =
+      share_true(box(), [&](const Eigen::Vector3d& p_map) { return contender_->notices(p_map, kSigma); });
+  EXPECT_EQ(noticed > 0.95, GetParam() != "static map");
+  // One sight alone does not make it surface in the default mode.
+  EXPECT_EQ(share_claimed(*contender_, box()), GetParam() == "evermap default" ? 0 : noticed);
+}
+
 TEST_P(ContenderTest, MemoryGrowsWithTheMap) {
   const std::size_t empty = contender_->memory_bytes();
   EXPECT_LT(empty, 1000);

@@ -43,6 +43,10 @@ class Contender {
   /// Gaussians: the point lies in its leaf's ellipsoid, widened by position_sigma; a grid: its voxel is
   /// occupied.
   virtual bool claims(const Eigen::Vector3d& p_map, double position_sigma) const = 0;
+  /// Whether the map knows of anything there, were it still to be confirmed.
+  virtual bool notices(const Eigen::Vector3d& p_map, double position_sigma) const {
+    return claims(p_map, position_sigma);
+  }
   /// One point [m, map frame] per occupied leaf: the Gaussian's mean, or the voxel's centre.
   virtual Points surface() const = 0;
   virtual std::size_t memory_bytes() const = 0;  ///< by its own account

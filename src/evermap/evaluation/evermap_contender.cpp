@@ -32,6 +32,10 @@ bool EvermapContender::claims(const Eigen::Vector3d& p_map, double position_sigm
   return evermap::claims(octree_, p_map, position_sigma);
 }
 
+bool EvermapContender::notices(const Eigen::Vector3d& p_map, double position_sigma) const {
+  return evermap::notices(octree_, p_map, position_sigma);
+}
+
 Points EvermapContender::surface() const { return surface_points(octree_); }
 std::size_t EvermapContender::memory_bytes() const { return octree_.memory_bytes(); }
 

@@ -20,6 +20,7 @@ class EvermapContender final : public Contender {
   void start(const Points& survey_map) override;
   std::function<void()> prepare(const Scan& scan, const Pose& T_map_sensor) override;
   bool claims(const Eigen::Vector3d& p_map, double position_sigma) const override;
+  bool notices(const Eigen::Vector3d& p_map, double position_sigma) const override;
   Points surface() const override;
   std::size_t memory_bytes() const override;
 

@@ -3,14 +3,27 @@
 #include <evermap/evaluation/map_claims.hpp>
 
 namespace evermap {
+namespace {
 
-bool claims(const Octree& octree, const Eigen::Vector3d& p_map, double position_sigma) {
+/// The leaf in whose ellipsoid the point lies, if any.
+const Leaf* leaf_around(const Octree& octree, const Eigen::Vector3d& p_map, double position_sigma) {
   const auto key = octree.grid().key(p_map);
   const Leaf* leaf = key ? octree.find(*key) : nullptr;
-  if (leaf == nullptr || !leaf->occupied()) return false;
+  if (leaf == nullptr) return nullptr;
   Gaussian surface = octree.gaussian(*key, *leaf);
   surface.covariance += position_sigma * position_sigma * Eigen::Matrix3d::Identity();
-  return mahalanobis_squared(p_map, surface) <= kChiSquared99;
+  return mahalanobis_squared(p_map, surface) <= kChiSquared99 ? leaf : nullptr;
+}
+
+}  // namespace
+
+bool claims(const Octree& octree, const Eigen::Vector3d& p_map, double position_sigma) {
+  const Leaf* leaf = leaf_around(octree, p_map, position_sigma);
+  return leaf != nullptr && leaf->occupied();
+}
+
+bool notices(const Octree& octree, const Eigen::Vector3d& p_map, double position_sigma) {
+  return leaf_around(octree, p_map, position_sigma) != nullptr;
 }
 
 Points surface_points(const Octree& octree) {

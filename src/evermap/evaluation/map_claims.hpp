@@ -14,6 +14,10 @@ namespace evermap {
 /// pose's error for a point of a real scan, the range noise for a point of a simulated world.
 bool claims(const Octree& octree, const Eigen::Vector3d& p_map, double position_sigma);
 
+/// Whether the map knows of anything at this point: what it claims, and pending leaves, too. Arguments as of
+/// claims().
+bool notices(const Octree& octree, const Eigen::Vector3d& p_map, double position_sigma);
+
 /// The map as points [m]: the mean of every occupied leaf.
 Points surface_points(const Octree& octree);
 
