@@ -107,7 +107,7 @@ class Contest {
   }
 
  private:
-  /// Share of what a scan shows of a passer of which the map says so after it; null when it shows nothing.
+  /// Share of a passer's points in a scan that the map claims or notices after it; null when there are none.
   Json share_seen(const Contender& contender, bool (Contender::*says)(const Eigen::Vector3d&, double) const,
                   const Points& p_map) const {
     if (p_map.empty()) return nullptr;

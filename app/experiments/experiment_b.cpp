@@ -75,7 +75,7 @@ Appearance appearance(const Json& contender, const char* said, const Passage& pa
   double sum = 0;
   double count = 0;
   double until = NAN;
-  for (const Json& share : contender[said][passage.name]) {
+  for (const Json& share : contender.at(said).at(passage.name)) {
     if (share.is_null()) continue;
     ++count;
     sum += number(share);

@@ -54,7 +54,7 @@ Eigen::Matrix3d square(const Eigen::Matrix3d& S) {
 }  // namespace
 
 Factor make_factor(const Correspondence& match, double count) {
-  // Powers of M turn towards its stiffest axis. All eigenvectors would take three times as long.
+  // Powers of M turn towards its stiffest axis. All eigenvectors would take several times as long.
   const Eigen::Matrix3d& M = match.information;
   const double trace = M.trace();
   Eigen::Matrix3d power = M / trace;  // so that the 24th lies between 1 and 3^-24
