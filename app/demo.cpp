@@ -114,7 +114,7 @@ void run(const Options& options) {
   std::vector<Outcome> outcomes;
   for (const double leaf : {kShownLeaf, 0.4}) outcomes.push_back(run_contest(course, leaf));
 
-  EvermapContender before("before", kShownLeaf, UpdateParameters{});
+  EvermapContender before("before", kShownLeaf, Parameters{});
   before.start(course.survey());
   const Octree& after = outcomes.front().after.value();
   save_map(options.folder / "before.evm", *before.gaussian_map());

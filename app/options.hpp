@@ -8,7 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include <evermap/update/parameters.hpp>
+#include <evermap/maintenance/parameters.hpp>
 
 namespace evermap {
 
@@ -23,7 +23,7 @@ void add_mode_option(CLI::App& verb, ParameterOptions& options);
 void add_config_option(CLI::App& verb, ParameterOptions& options);
 void add_range_options(CLI::App& verb, ParameterOptions& options);
 /// Throws IoError when the file is wrong, std::runtime_error when the ranges exclude every point.
-UpdateParameters parameters_of(const ParameterOptions& options);
+Parameters parameters_of(const ParameterOptions& options);
 
 /// The scans that a verb works through, and with how many threads.
 struct RunOptions {

@@ -20,7 +20,7 @@
 #include "drive.hpp"
 #include "experiments/machine.hpp"
 #include "plot.hpp"
-#include <evermap/update/guarded_map.hpp>
+#include <evermap/maintenance/map_maintainer.hpp>
 
 namespace evermap {
 namespace {
@@ -78,7 +78,7 @@ void plot(const std::filesystem::path& folder, const std::vector<Stretch>& stret
 void run(const Options& options) {
   constexpr std::size_t kStretches = 50;
   const Drive drive = drive_through_quarry(600 / options.every, options.every);
-  GuardedMap map(Octree(VoxelGrid{.edge = options.leaf}), UpdateParameters{}, GuardParameters{});
+  MapMaintainer maintainer(Octree(VoxelGrid{.edge = options.leaf}));
   std::filesystem::create_directories(options.folder);
   const double resident_before = resident();
   std::vector<Stretch> stretches;
@@ -89,12 +89,12 @@ void run(const Options& options) {
   for (std::size_t scan = 0; scan < options.scans; ++scan) {
     const std::size_t at = scan % drive.scans.size();
     const double begin = cpu_seconds();
-    refused += map.update(drive.scans[at], drive.T_map_sensor[at]) ? 0 : 1;
+    refused += maintainer.process(drive.scans[at], drive.T_map_sensor[at]).is_written ? 0 : 1;
     recent.push_back(1e3 * (cpu_seconds() - begin));
     if ((scan + 1) % std::max<std::size_t>(1, options.scans / kStretches) != 0) continue;
     stretches.push_back({static_cast<double>(scan + 1), quantile(recent, 0.5), quantile(recent, 0.99),
                          resident() - resident_before,
-                         1e-6 * static_cast<double>(map.octree().memory_bytes())});
+                         1e-6 * static_cast<double>(maintainer.map().memory_bytes())});
     const Stretch& last = stretches.back();
     fmt::print("{:>8} {:>10.2f} {:>10.2f} {:>14.1f} {:>10.1f}\n", scan + 1, last.median_ms, last.p99_ms,
                last.resident_mb, last.map_mb);

@@ -21,7 +21,7 @@
 #include "experiments/machine.hpp"
 #include "plot.hpp"
 #include <evermap/update/evidence.hpp>
-#include <evermap/update/meeting.hpp>
+#include <evermap/update/encounter.hpp>
 
 namespace evermap {
 namespace {
@@ -43,7 +43,7 @@ struct Variant {
   double x;  ///< its place on the axis
   Octree map;
   std::vector<Scan> scans;
-  UpdateParameters parameters{};
+  Parameters parameters{};
   int threads = 1;
 };
 
@@ -62,7 +62,7 @@ std::vector<Cost> take_turns(std::vector<Variant> variants, const std::vector<Po
       const double cpu_begin = cpu_seconds();
       const double wall_begin = wall_seconds();
       const ScanSummary summary = arena.execute(
-          [&] { return update(variant.map, variant.scans[scan], T_map_sensor[scan], variant.parameters); });
+          [&] { return update(variant.map, condense(variant.scans[scan], T_map_sensor[scan], variant.map.grid(), variant.parameters.lidar), variant.parameters.update); });
       wall[i].push_back(1e3 * (wall_seconds() - wall_begin));
       cpu[i].push_back(1e3 * (cpu_seconds() - cpu_begin));
       bundles[i].push_back(static_cast<double>(summary.bundles));
@@ -202,8 +202,8 @@ Stages stages_of(Octree& map, const Scan& scan, const Pose& T_map_sensor) {
   stages.align = cpu_milliseconds([&] { alignment_error(map, bundles); });
   std::optional<RayFan> fan;
   stages.sort =
-      cpu_milliseconds([&] { fan.emplace(map.grid(), bundles.origin_map, looked_at(bundles, parameters)); });
-  stages.meet = cpu_milliseconds([&] { meet(bundles, *fan, map.bricks_in(fan->voxels()), parameters); });
+      cpu_milliseconds([&] { fan.emplace(map.grid(), bundles.origin_map, looked_at(bundles)); });
+  stages.meet = cpu_milliseconds([&] { find_encounters(bundles, *fan, map.bricks_in(fan->voxels()), parameters); });
   Evidence evidence;
   const double trace_all = cpu_milliseconds([&] { evidence = trace(map, bundles, parameters); });
   stages.judge = std::max(0.0, trace_all - stages.align - stages.sort - stages.meet);

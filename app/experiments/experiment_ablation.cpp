@@ -38,27 +38,24 @@ std::vector<Rule> rules() {
   };
   add("paper, inverse third case", [](auto&) {});
   instead("paper, printed third case", [](auto& q) { q.impact = ImpactRule::kEquation5Printed; });
-  add("- sigma-point difference", [](auto& q) { q.difference = Difference::kNone; });
+  add("- sigma-point difference", [](auto& q) { q.trim_leaves = false; });
   add("closest approach", [](auto& q) {
     q.impact = ImpactRule::kClosestApproach;
     q.least_impact = UpdateParameters{}.least_impact;
   });
   add("+ noisy-or", [](auto& q) { q.combination = Combination::kNoisyOr; });
   add("+ surface crossing", [](auto& q) { q.surface_crossing = true; });
-  add("+ end guard", [](auto& q) { q.end_guard = UpdateParameters{}.end_guard; });
+  add("+ end guard", [](auto& q) { q.hit_margin = UpdateParameters{}.hit_margin; });
   add("+ memory of 1000 points", [](auto& q) { q.max_count = UpdateParameters{}.max_count; });
   add("+ three confirmations", [](auto& q) { q.confirmations = UpdateParameters{}.confirmations; });
   add("+ viewpoint memory", [](auto& q) { q.standstill = UpdateParameters{}.standstill; });
-  instead("+ coplanar-hit guard", [](auto& q) { q.surface_guard = SurfaceGuard::kCoplanarHit; });
-  add("+ reobserved guard", [](auto& q) { q.surface_guard = SurfaceGuard::kReobserved; });
+  add("+ reobserved guard", [](auto& q) { q.spare_reobserved = true; });
   add("+ leaves grow firm", [](auto& q) {
     q.max_log_odds = UpdateParameters{}.max_log_odds;
-    q.firming = UpdateParameters{}.firming;
+    q.long_term_hit = UpdateParameters{}.long_term_hit;
   });
   add("+ forgetting in doubt = default", [](auto& q) { q.forgetting = UpdateParameters{}.forgetting; });
-  instead("default + incidence weight", [](auto& q) { q.incidence_weight = true; });
-  instead("default + soft difference", [](auto& q) { q.difference = Difference::kSoft; });
-  instead("default + sigma-point difference", [](auto& q) { q.difference = Difference::kSigmaPoints; });
+  instead("default + sigma-point difference", [](auto& q) { q.trim_leaves = true; });
   return rows;
 }
 
@@ -118,8 +115,8 @@ Json try_on_scenario(const ScenarioChoice& choice, double leaf, std::uint64_t se
   const ScenarioCourse course(choice, seed);
   std::vector<std::unique_ptr<Contender>> contenders;
   for (Rule& rule : rules()) {
-    rule.parameters.lidar = course.lidar;
-    contenders.push_back(std::make_unique<EvermapContender>(rule.name, leaf, rule.parameters));
+    const Parameters parameters{course.lidar, rule.parameters, {}, {}};
+    contenders.push_back(std::make_unique<EvermapContender>(rule.name, leaf, parameters));
   }
   const Json contest = hold_contest(course, std::move(contenders), {.leaf = leaf}, progress);
   Json results = Json::object();

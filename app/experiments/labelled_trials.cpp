@@ -30,13 +30,14 @@ DriveTrial::DriveTrial(const std::filesystem::path& folder, std::size_t scans)
   boxes_.resize(scans_.size());
 }
 
-DriveScore DriveTrial::run(double edge, UpdateParameters parameters) const {
-  parameters.lidar.min_range = kMinRange;
+DriveScore DriveTrial::run(double edge, const UpdateParameters& parameters) const {
+  LidarParameters lidar;
+  lidar.min_range = kMinRange;
   Octree octree(VoxelGrid{edge});
-  for (const PosedScan& s : scans_) add_scan(octree, s.scan, s.T_map_sensor, parameters);
+  for (const PosedScan& s : scans_) add(octree, condense(s.scan, s.T_map_sensor, octree.grid(), lidar), parameters);
   Viewpoint viewpoint(parameters.standstill);
   for (const PosedScan& s : scans_) {
-    update(octree, s.scan, s.T_map_sensor, parameters, viewpoint.novelty(s.T_map_sensor));
+    update(octree, condense(s.scan, s.T_map_sensor, octree.grid(), lidar), parameters, viewpoint.view_weight(s.T_map_sensor));
   }
   DriveScore score;
   for (std::size_t i = 0; i < scans_.size(); ++i) {
@@ -66,13 +67,14 @@ RedlightTrial::RedlightTrial(const std::filesystem::path& folder) {
   }
 }
 
-double RedlightTrial::run(double edge, UpdateParameters parameters) const {
-  parameters.lidar.min_range = kMinRange;
+double RedlightTrial::run(double edge, const UpdateParameters& parameters) const {
+  LidarParameters lidar;
+  lidar.min_range = kMinRange;
   Octree octree(VoxelGrid{edge});
   Viewpoint viewpoint(parameters.standstill);
-  for (std::size_t i = 0; i < kBuilt; ++i) add_scan(octree, scans_[i], Pose{}, parameters);
+  for (std::size_t i = 0; i < kBuilt; ++i) add(octree, condense(scans_[i], Pose{}, octree.grid(), lidar), parameters);
   for (std::size_t i = kBuilt; i < scans_.size(); ++i) {
-    update(octree, scans_[i], Pose{}, parameters, viewpoint.novelty(Pose{}));
+    update(octree, condense(scans_[i], Pose{}, octree.grid(), lidar), parameters, viewpoint.view_weight(Pose{}));
   }
   return share_true(still_there_, [&](const Eigen::Vector3d& p_map) {
     return claims(octree, p_map, DriveScore::kPoseSigma);

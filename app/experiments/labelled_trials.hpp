@@ -18,7 +18,7 @@ class DriveTrial {
  public:
   DriveTrial(const std::filesystem::path& folder, std::size_t scans);
 
-  DriveScore run(double edge, UpdateParameters parameters) const;
+  DriveScore run(double edge, const UpdateParameters& parameters) const;
 
  private:
   std::vector<PosedScan> scans_;
@@ -31,7 +31,7 @@ class RedlightTrial {
   explicit RedlightTrial(const std::filesystem::path& folder);
 
   /// Share of the surface that is still there which the map keeps.
-  double run(double edge, UpdateParameters parameters) const;
+  double run(double edge, const UpdateParameters& parameters) const;
 
  private:
   static constexpr std::ptrdiff_t kBuilt = 6;

@@ -9,16 +9,6 @@
 #include <evermap/geometry/neighbourhood.hpp>
 
 namespace evermap {
-namespace {
-
-LocalizerParameters parameters_for(const LidarParameters& lidar) {
-  LocalizerParameters parameters;
-  parameters.lidar = lidar;
-  return parameters;
-}
-
-}  // namespace
-
 Octree gaussians_of_grid(const Points& centers, double edge) {
   constexpr double kSure = 3;       // log-odds
   constexpr double kThinnest = 10;  // times thinner than a voxel a surface may seem
@@ -45,7 +35,7 @@ Octree gaussians_of_grid(const Points& centers, double edge) {
 Pilot::Pilot(Contender& contender, double edge, const Pose& start, const LidarParameters& lidar)
     : contender_(contender),
       edge_(edge),
-      localizer_(start, parameters_for(lidar)),
+      localizer_(start, lidar, LocalizationParameters{}),
       grid_target_(VoxelGrid{.edge = edge}) {}
 
 const Octree& Pilot::target() {
@@ -59,12 +49,12 @@ const Octree& Pilot::target() {
 
 void Pilot::take(const Scan& scan, double time, const std::optional<Pose>& T_odom_sensor,
                  const Pose& T_map_sensor_true) {
-  const Localization at =
-      localizer_.localize(target(), scan, time, T_odom_sensor, [&](const Pose& T_map_sensor) {
-        contender_.update(scan, T_map_sensor);
-        ++outdated_by_;
-        return std::string();
-      });
+  Localization at = localizer_.propose(target(), scan, time, T_odom_sensor);
+  if (at.is_writable()) {
+    contender_.update(scan, at.T_map_sensor);
+    ++outdated_by_;
+  }
+  localizer_.conclude(at);
   tracked_ += at.state == TrackingState::kTracking ? 1 : 0;
   true_.push_back(T_map_sensor_true);
   found_.push_back(at.T_map_sensor);

@@ -27,17 +27,17 @@ Matrix6 walls(const std::vector<Eigen::Vector3d>& normals) {
 TEST(Observability, NamesTheDirectionThatNothingHolds) {
   using V = Eigen::Vector3d;
   const auto weakest = [&](const std::vector<V>& normals) { return observability(walls(normals), kLever); };
-  EXPECT_GT(weakest({V::UnitX(), V::UnitY(), V::UnitZ()}).share, 0.6);
+  EXPECT_GT(weakest({V::UnitX(), V::UnitY(), V::UnitZ()}).fraction, 0.6);
   EXPECT_EQ(to_string(weakest({V::UnitY(), V::UnitZ()})), "translation along x");
   EXPECT_EQ(to_string(weakest({V::UnitX(), V::UnitZ()})), "translation along y");
   EXPECT_EQ(to_string(weakest({V::UnitX(), V::UnitY()})), "translation along z");
-  EXPECT_NEAR(weakest({V::UnitY(), V::UnitZ()}).share, 0, 1e-9);
+  EXPECT_NEAR(weakest({V::UnitY(), V::UnitZ()}).fraction, 0, 1e-9);
   const Observability oblique = weakest({V(1, -1, 0).normalized(), V::UnitZ()});
   EXPECT_FALSE(oblique.is_rotation);
   EXPECT_NEAR(std::abs(oblique.axis.dot(V(1, 1, 0).normalized())), 1, 1e-6);
 }
 
-TEST(Observability, OfNothingIsNone) { EXPECT_EQ(observability(Matrix6::Zero(), kLever).share, 0); }
+TEST(Observability, OfNothingIsNone) { EXPECT_EQ(observability(Matrix6::Zero(), kLever).fraction, 0); }
 
 }  // namespace
 }  // namespace evermap

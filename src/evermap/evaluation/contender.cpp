@@ -14,7 +14,7 @@ namespace {
 /// The survey's map for ever.
 class StaticContender final : public Contender {
  public:
-  StaticContender(const std::string& name, double edge, const UpdateParameters& parameters)
+  StaticContender(const std::string& name, double edge, const Parameters& parameters)
       : Contender(name), map_(name, edge, parameters) {}
 
   std::string version() const override { return map_.version(); }
@@ -85,13 +85,13 @@ using Maker = std::unique_ptr<Contender> (*)(const std::string& name, double edg
 
 template <class Kind>
 std::unique_ptr<Contender> make_evermap(const std::string& name, double edge, const LidarParameters& lidar,
-                                        UpdateParameters parameters) {
+                                        Parameters parameters) {
   parameters.lidar = lidar;
   return std::make_unique<Kind>(name, edge, parameters);
 }
 
 std::unique_ptr<Contender> make_static(const std::string& name, double edge, const LidarParameters& lidar) {
-  return make_evermap<StaticContender>(name, edge, lidar, UpdateParameters{});
+  return make_evermap<StaticContender>(name, edge, lidar, Parameters{});
 }
 
 std::unique_ptr<Contender> make_octomap(const std::string& name, double edge, const LidarParameters& lidar) {
@@ -113,11 +113,11 @@ std::unique_ptr<Contender> make_ufomap([[maybe_unused]] const std::string& name,
 }
 
 std::unique_ptr<Contender> make_paper(const std::string& name, double edge, const LidarParameters& lidar) {
-  return make_evermap<EvermapContender>(name, edge, lidar, UpdateParameters::paper());
+  return make_evermap<EvermapContender>(name, edge, lidar, Parameters::paper());
 }
 
 std::unique_ptr<Contender> make_default(const std::string& name, double edge, const LidarParameters& lidar) {
-  return make_evermap<EvermapContender>(name, edge, lidar, UpdateParameters{});
+  return make_evermap<EvermapContender>(name, edge, lidar, Parameters{});
 }
 
 const std::vector<std::pair<std::string, Maker>>& makers() {

@@ -8,23 +8,24 @@
 
 namespace evermap {
 
-EvermapContender::EvermapContender(std::string name, double edge, const UpdateParameters& parameters)
+EvermapContender::EvermapContender(std::string name, double edge, const Parameters& parameters)
     : Contender(std::move(name)),
       parameters_(parameters),
       octree_(VoxelGrid{.edge = edge}),
-      viewpoint_(parameters.standstill) {}
+      viewpoint_(parameters.update.standstill) {}
 
 std::string EvermapContender::version() const { return EVERMAP_VERSION; }
 
 void EvermapContender::start(const Points& survey_map) {
   Scan survey;
   survey.p_sensor = survey_map;
-  add_cloud(octree_, survey, Pose{}, parameters_);
+  add_cloud(octree_, survey, Pose{}, parameters_.lidar, parameters_.update);
 }
 
 std::function<void()> EvermapContender::prepare(const Scan& scan, const Pose& T_map_sensor) {
   return [this, &scan, T_map_sensor] {
-    evermap::update(octree_, scan, T_map_sensor, parameters_, viewpoint_.novelty(T_map_sensor));
+    evermap::update(octree_, condense(scan, T_map_sensor, octree_.grid(), parameters_.lidar), parameters_.update,
+                    viewpoint_.view_weight(T_map_sensor));
   };
 }
 

@@ -6,7 +6,7 @@
 
 #include <evermap/evaluation/contender.hpp>
 #include <evermap/map/octree.hpp>
-#include <evermap/update/parameters.hpp>
+#include <evermap/maintenance/parameters.hpp>
 #include <evermap/update/viewpoint.hpp>
 
 namespace evermap {
@@ -14,7 +14,7 @@ namespace evermap {
 /// evermap under any parameters, for ablations and for what needs the map itself.
 class EvermapContender final : public Contender {
  public:
-  EvermapContender(std::string name, double edge, const UpdateParameters& parameters);
+  EvermapContender(std::string name, double edge, const Parameters& parameters);
 
   std::string version() const override;
   void start(const Points& survey_map) override;
@@ -27,7 +27,7 @@ class EvermapContender final : public Contender {
   const Octree* gaussian_map() const override { return &octree_; }
 
  private:
-  UpdateParameters parameters_;
+  Parameters parameters_;
   Octree octree_;
   Viewpoint viewpoint_;
 };

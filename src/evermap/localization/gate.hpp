@@ -4,7 +4,6 @@
 
 #include <deque>
 #include <numbers>
-#include <string>
 
 #include <evermap/geometry/running_median.hpp>
 #include <evermap/localization/registration.hpp>
@@ -19,19 +18,23 @@ struct GateParameters {
   double max_rotation = 3 * std::numbers::pi / 180;  ///< [rad] likewise
   double max_growth = 2;                             ///< by which 3 sigma may widen these two
   double max_residual = 3;                           ///< times the median of what passed before
-  double least_inlier_share = 0.75;                  ///< times the median of what passed before
-  std::size_t memory = 51;                           ///< scans that the medians are taken over
+  double least_inlier_fraction = 0.75;                  ///< times the median of what passed before
+  std::size_t memory = 51;    ///< [scans] that the medians are taken over
+  double starting_slack = 5;  ///< times the distances, while the motion is not known
+  double max_jump = 0.6;      ///< [m] by which odometry may leave constant velocity in 0.1 s: no
+                              ///< vehicle can, so that its wheels have slipped
+  int lost_after = 5;         ///< [scans] in a row that did not pass
 };
 
 /// Judges registrations, remembering those that passed.
 class Gate {
  public:
   explicit Gate(const GateParameters& parameters)
-      : parameters_(parameters), residuals_(parameters.memory), inlier_shares_(parameters.memory) {}
+      : parameters_(parameters), residuals_(parameters.memory), inlier_fractions_(parameters.memory) {}
 
-  /// Why this pose is not to be believed; empty when it is. `slack` widens the distance to the prediction.
-  std::string objection(const Registration& registration, const Pose& T_map_sensor_predicted,
-                        double slack) const;
+  /// Whether this pose is to be believed (kNone), or why not. `slack` widens the distance to the prediction.
+  RejectReason judge(const Registration& registration, const Pose& T_map_sensor_predicted,
+                     double slack) const;
   /// Takes a scan that passed. `is_predicted`: whether its prediction came from known motion.
   void remember(const Registration& passed, const Pose& T_map_sensor_predicted, bool is_predicted);
 
@@ -40,7 +43,7 @@ class Gate {
   std::deque<double> translations_;  ///< [m] from prediction to pose
   std::deque<double> rotations_;     ///< [rad]
   RunningMedian residuals_;
-  RunningMedian inlier_shares_;
+  RunningMedian inlier_fractions_;
 };
 
 }  // namespace evermap

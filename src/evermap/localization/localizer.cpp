@@ -20,8 +20,12 @@ std::string_view to_string(TrackingState state) {
   return "lost";
 }
 
-Localizer::Localizer(const Pose& T_map_sensor_initial, const LocalizerParameters& parameters)
-    : parameters_(parameters), gate_(parameters.gate), T_map_sensor_initial_(T_map_sensor_initial) {}
+Localizer::Localizer(const Pose& T_map_sensor_initial, const LidarParameters& lidar,
+                     const LocalizationParameters& parameters)
+    : lidar_(lidar),
+      parameters_(parameters),
+      gate_(parameters.gate),
+      T_map_sensor_initial_(T_map_sensor_initial) {}
 
 Pose Localizer::predict(double time, const std::optional<Pose>& T_odom_sensor) const {
   if (!last_) return T_map_sensor_initial_;
@@ -47,68 +51,76 @@ bool Localizer::odometry_jumps(double time, const std::optional<Pose>& T_odom_se
   if (!velocity_ || !last_->T_odom_sensor || !T_odom_sensor) return false;
   const Pose moved = last_->T_odom_sensor->inverse() * *T_odom_sensor;
   const Pose steady = exp(*velocity_ * (time - last_->time));
-  return (moved.translation - steady.translation).norm() > parameters_.max_jump * slack(time);
+  return (moved.translation - steady.translation).norm() > parameters_.gate.max_jump * slack(time);
 }
 
-Localization Localizer::localize(const Octree& map, const Scan& scan, double time,
-                                 const std::optional<Pose>& T_odom_sensor, const WriteScan& write) {
-  const bool is_later = !last_time_ || time > *last_time_;
-  if (!is_later) {
-    fail();
-    return {predict(time, T_odom_sensor), state_, "is not later than the scan before", {}};
+Localization Localizer::propose(const Octree& map, const Scan& scan, double time,
+                                const std::optional<Pose>& T_odom_sensor) const {
+  Localization found;
+  found.time = time;
+  found.T_odom_sensor = T_odom_sensor;
+  if (last_time_ && time <= *last_time_) {
+    found.T_map_sensor = found.T_map_sensor_predicted = predict(time, T_odom_sensor);
+    found.reject_reason = RejectReason::kTimeNotLater;
+    return found;
   }
-  last_time_ = time;
-  const bool jumps = odometry_jumps(time, T_odom_sensor);
-  const Pose predicted = predict(time, jumps ? std::nullopt : T_odom_sensor);
-
+  found.odometry_jumps = odometry_jumps(time, T_odom_sensor);
+  found.T_map_sensor_predicted = predict(time, found.odometry_jumps ? std::nullopt : T_odom_sensor);
   const bool is_search = state_ == TrackingState::kLost;
-  const bool motion_is_known = last_ && !is_search && (velocity_ || T_odom_sensor);
-  const double wide = motion_is_known ? slack(time) : parameters_.starting_slack;
-  const Registration found = register_scan(map, scan, predicted, wide);
-  const Pose& expected = is_search ? found.T_map_sensor : predicted;  // a search has its own reach
-  std::string objection = gate_.objection(found, expected, wide);
-  if (objection.empty() && motion_is_known && !jumps && write) objection = write(found.T_map_sensor);
-  if (objection.empty()) {
-    gate_.remember(found, predicted, motion_is_known);
-    pass({found.T_map_sensor, time, T_odom_sensor}, motion_is_known);
+  found.motion_is_known = last_ && !is_search && (velocity_ || T_odom_sensor);
+  const double wide = found.motion_is_known ? slack(time) : parameters_.gate.starting_slack;
+  found.registration = register_scan(map, scan, found.T_map_sensor_predicted, wide);
+  const bool converged = found.registration.converged();
+  found.T_map_sensor = converged ? found.registration.T_map_sensor : found.T_map_sensor_predicted;
+  // A search has its own reach.
+  const Pose& expected = is_search ? found.registration.T_map_sensor : found.T_map_sensor_predicted;
+  found.reject_reason = gate_.judge(found.registration, expected, wide);
+  return found;
+}
+
+void Localizer::conclude(Localization& found) {
+  if (found.reject_reason != RejectReason::kTimeNotLater) last_time_ = found.time;
+  if (found.passes()) {
+    gate_.remember(found.registration, found.T_map_sensor_predicted, found.motion_is_known);
+    pass(found);
+    if (found.odometry_jumps) {  // its later steps can be followed again, from here
+      state_ = TrackingState::kDegraded;
+      found.reject_reason = RejectReason::kOdometryJumps;
+    }
   } else {
     fail();
   }
-  if (objection.empty() && jumps) {  // its later steps can be followed again, from here
-    state_ = TrackingState::kDegraded;
-    objection = "the odometry jumps";
-  }
-  return {found.converged() ? found.T_map_sensor : predicted, state_, objection, found};
+  found.state = state_;
 }
 
 Registration Localizer::register_scan(const Octree& map, const Scan& scan, const Pose& predicted,
                                       double slack) const {
-  const LocalizerParameters& p = parameters_;
+  const LocalizationParameters& p = parameters_;
   if (state_ == TrackingState::kLost) {
-    return relocate(map, scan, predicted, p.lidar, p.registration, p.relocation);
+    return relocate(map, scan, predicted, lidar_, p.registration, p.relocation);
   }
   if (state_ == TrackingState::kTracking) {
-    const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, p.lidar);
+    const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, lidar_);
     Registration found = register_bundles(map, bundles, predicted, p.registration);
-    if (gate_.objection(found, predicted, slack).empty()) return found;
+    if (gate_.judge(found, predicted, slack) == RejectReason::kNone) return found;
   }
-  return register_coarse_to_fine(map, scan, predicted, p.lidar, p.registration);
+  return register_coarse_to_fine(map, scan, predicted, lidar_, p.registration);
 }
 
-void Localizer::pass(const Fix& fix, bool motion_is_known) {
+void Localizer::pass(const Localization& found) {
   const bool is_search = state_ == TrackingState::kLost;
   velocity_.reset();
   if (last_ && !is_search) {
-    velocity_ = log(last_->T_map_sensor.inverse() * fix.T_map_sensor) / (fix.time - last_->time);
+    velocity_ = log(last_->T_map_sensor.inverse() * found.T_map_sensor) / (found.time - last_->time);
   }
-  last_ = fix;
+  last_ = {found.T_map_sensor, found.time, found.T_odom_sensor};
   failed_ = 0;
-  state_ = motion_is_known ? TrackingState::kTracking : TrackingState::kStarting;
+  state_ = found.motion_is_known ? TrackingState::kTracking : TrackingState::kStarting;
 }
 
 void Localizer::fail() {
   ++failed_;
-  const bool is_lost = state_ == TrackingState::kLost || failed_ >= parameters_.lost_after;
+  const bool is_lost = state_ == TrackingState::kLost || failed_ >= parameters_.gate.lost_after;
   state_ = is_lost ? TrackingState::kLost : TrackingState::kDegraded;
 }
 

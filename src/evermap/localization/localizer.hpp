@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <functional>
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include <evermap/localization/gate.hpp>
@@ -22,36 +20,41 @@ enum class TrackingState {
 };
 std::string_view to_string(TrackingState state);
 
-struct LocalizerParameters {
-  LidarParameters lidar;
+/// All that governs localization.
+struct LocalizationParameters {
   RegistrationParameters registration;
   GateParameters gate;
   RelocationParameters relocation;
-  double starting_slack = 5;  ///< times the gate's distances, while the motion is not known
-  double max_jump = 0.6;      ///< [m] by which odometry may leave constant velocity in 0.1 s: no
-                              ///< vehicle can, so that its wheels have slipped
-  int lost_after = 5;         ///< scans in a row that did not pass the gate
 };
 
-/// A scan's pose, and what is to be thought of it.
+/// A registered scan, and what is to be thought of its pose.
 struct Localization {
   Pose T_map_sensor;  ///< registered when that converged, otherwise predicted
-  TrackingState state = TrackingState::kStarting;
-  std::string objection;  ///< why the scan did not pass the gate; empty when it did
+  TrackingState state = TrackingState::kStarting;  ///< after this scan; set by Localizer::conclude
+  RejectReason reject_reason = RejectReason::kNone;
   Registration registration;
-};
 
-/// Writes the scan, at this pose, into the map; says why it did not, and nothing when it did.
-using WriteScan = std::function<std::string(const Pose& T_map_sensor)>;
+  double time = 0;                     ///< [s] when the scan ended
+  std::optional<Pose> T_odom_sensor;   ///< what odometry said then
+  Pose T_map_sensor_predicted;
+  bool motion_is_known = false;        ///< the prediction came from odometry or from a known velocity
+  bool odometry_jumps = false;         ///< and is therefore not followed
+
+  bool passes() const { return reject_reason == RejectReason::kNone; }
+  /// Whether the scan may be written into the map at this pose.
+  bool is_writable() const { return passes() && motion_is_known && !odometry_jumps; }
+};
 
 /// Follows a sensor through a map, scan by scan: predict, register, gate.
 ///
-/// Predictions start from the last pose that passed the gate, never from one that did not, so that a wrong
+/// A scan takes two steps, so that whoever keeps the map has a word in between: `propose` registers it,
+/// `conclude` takes it. Predictions start from the last pose that passed the gate, never from one that did not, so that a wrong
 /// pose cannot confirm itself. Where everything looks the same, the map cannot tell that odometry slipped
 /// from one place to the next; so odometry that jumps is not followed. Not thread safe.
 class Localizer {
  public:
-  Localizer(const Pose& T_map_sensor_initial, const LocalizerParameters& parameters);
+  Localizer(const Pose& T_map_sensor_initial, const LidarParameters& lidar,
+            const LocalizationParameters& parameters);
 
   /// Where the sensor should be at `time` [s]: the last pose that passed, moved on by the odometry, or by
   /// constant velocity without.
@@ -60,10 +63,14 @@ class Localizer {
   /// How the sensor moves, by the same lights, in the `duration` [s] before `time`: what deskew needs.
   Pose motion(double time, const std::optional<Pose>& T_odom_sensor, double duration) const;
 
-  /// Takes a scan, its points all as of `time` [s] (see deskew). With odometry, it is to be given for each.
-  /// `write`, when given, is called with the poses that are believed, and with no others.
-  Localization localize(const Octree& map, const Scan& scan, double time,
-                        const std::optional<Pose>& T_odom_sensor, const WriteScan& write = {});
+  /// Registers a scan, its points all as of `time` [s] (see deskew), and lets the gate judge it. With
+  /// odometry, it is to be given for each.
+  Localization propose(const Octree& map, const Scan& scan, double time,
+                       const std::optional<Pose>& T_odom_sensor) const;
+
+  /// Takes what was proposed; a caller who does not believe it has set its reject reason before. Sets its
+  /// state, and its reject reason when the pose is believed but not the odometry.
+  void conclude(Localization& found);
 
   TrackingState state() const { return state_; }
 
@@ -80,10 +87,11 @@ class Localizer {
   bool odometry_jumps(double time, const std::optional<Pose>& T_odom_sensor) const;
   /// What is near is tried first, and what reaches farther when the gate does not like it.
   Registration register_scan(const Octree& map, const Scan& scan, const Pose& predicted, double slack) const;
-  void pass(const Fix& fix, bool motion_is_known);
+  void pass(const Localization& found);
   void fail();
 
-  LocalizerParameters parameters_;
+  LidarParameters lidar_;
+  LocalizationParameters parameters_;
   Gate gate_;
   TrackingState state_ = TrackingState::kStarting;
   Pose T_map_sensor_initial_;

@@ -10,7 +10,7 @@ namespace evermap {
 
 /// How well the surroundings hold a pose, in the direction in which they hold it worst.
 struct Observability {
-  double share = 0;                                 ///< of the information in the mean direction; in [0, 1]
+  double fraction = 0;                              ///< of the information in the mean direction; in [0, 1]
   bool is_rotation = false;                         ///< about the axis through the sensor, else along it
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< of length 1, map frame
 };

@@ -115,12 +115,12 @@ double root_mean_square_range(const std::vector<Gaussian>& bundles_sensor) {
   return std::sqrt(sum / static_cast<double>(bundles_sensor.size()));
 }
 
-RegistrationOutcome judge(const Registration& registration, std::size_t matched, bool settled,
+RejectReason judge(const Registration& registration, std::size_t matched, bool settled,
                           const RegistrationParameters& parameters) {
-  if (matched < parameters.least_matches) return RegistrationOutcome::kTooFewMatches;
-  if (registration.inlier_share < parameters.least_inlier_share) return RegistrationOutcome::kTooFewInliers;
-  if (registration.weakest.share < parameters.least_observability) return RegistrationOutcome::kUnobservable;
-  return settled ? RegistrationOutcome::kConverged : RegistrationOutcome::kIterationLimit;
+  if (matched < parameters.least_matches) return RejectReason::kTooFewMatches;
+  if (registration.inlier_fraction < parameters.least_inlier_fraction) return RejectReason::kTooFewInliers;
+  if (registration.weakest.fraction < parameters.least_observability) return RejectReason::kUnobservable;
+  return settled ? RejectReason::kNone : RejectReason::kNoConvergence;
 }
 
 }  // namespace
@@ -143,9 +143,9 @@ Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bu
   const bool settled = search(result, map, thinned(bundles_sensor, parameters.first_bundles), parameters);
   const NormalEquations equations = refine(result, map, bundles_sensor, parameters);
   result.weakest = observability(equations.hessian, root_mean_square_range(bundles_sensor));
-  result.inlier_share = static_cast<double>(equations.inliers) / static_cast<double>(bundles_sensor.size());
+  result.inlier_fraction = static_cast<double>(equations.inliers) / static_cast<double>(bundles_sensor.size());
   result.residual = equations.inlier_error / std::max(1.0, static_cast<double>(equations.inliers));
-  result.outcome = judge(result, equations.matched, settled, parameters);
+  result.reject_reason = judge(result, equations.matched, settled, parameters);
   if (result.converged()) result.covariance = equations.hessian.inverse() * result.residual;
   return result;
 }
@@ -160,26 +160,6 @@ Registration register_coarse_to_fine(const Octree& map, const Scan& scan, const 
   }
   const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, lidar);
   return register_bundles(map, bundles, T_map_sensor, parameters);
-}
-
-std::string to_string(const Registration& registration) {
-  switch (registration.outcome) {
-    case RegistrationOutcome::kConverged:
-      return "converged";
-    case RegistrationOutcome::kTooFewBundles:
-      return "too few points";
-    case RegistrationOutcome::kTooFewMatches:
-      return "off the map";
-    case RegistrationOutcome::kTooFewInliers:
-      return "does not fit the map";
-    case RegistrationOutcome::kUnobservable:
-      return "unobservable: " + to_string(registration.weakest);
-    case RegistrationOutcome::kAmbiguous:
-      return "fits as well in another place";
-    case RegistrationOutcome::kIterationLimit:
-      break;
-  }
-  return "does not come to rest";
 }
 
 }  // namespace evermap

@@ -10,6 +10,7 @@
 #include <evermap/geometry/pose.hpp>
 #include <evermap/localization/factor.hpp>
 #include <evermap/localization/observability.hpp>
+#include <evermap/localization/reject_reason.hpp>
 #include <evermap/localization/termination.hpp>
 #include <evermap/map/octree.hpp>
 #include <evermap/scan/ray_bundle.hpp>
@@ -22,38 +23,24 @@ struct RegistrationParameters {
   std::size_t least_matches = 50;     ///< bundles on the map, below which a pose is a guess
   double first_kernel_width = 6;      ///< Mahalanobis distance; wide at first, so that far leaves may pull,
   double last_kernel_width = 2;       ///< then halved from step to step down to this one
-  double damping = 1e-6;              ///< share of the Hessian's diagonal
-  double least_inlier_share = 0.3;    ///< of all bundles
-  double least_observability = 0.03;  ///< information in any direction, as a share of the mean direction's;
+  double damping = 1e-6;              ///< fraction of the Hessian's diagonal
+  double least_inlier_fraction = 0.3;    ///< of all bundles
+  double least_observability = 0.03;  ///< information in any direction, as a fraction of the mean direction's;
                                       ///< endless corridors reach 0.016, an open junction has 0.06
-};
-
-/// Why a registration is to be trusted, or not.
-enum class RegistrationOutcome {
-  kConverged,
-  kTooFewBundles,   ///< the scan is (nearly) empty
-  kTooFewMatches,   ///< it does not lie on the map
-  kTooFewInliers,   ///< it lies on the map but does not fit
-  kUnobservable,    ///< it fits, and would after a motion in the weakest direction, too
-  kIterationLimit,  ///< it never came to rest
-  kAmbiguous,       ///< it fits as well in another place nearby (relocate)
 };
 
 /// Where a scan lies on the map.
 struct Registration {
   Pose T_map_sensor;
-  RegistrationOutcome outcome = RegistrationOutcome::kTooFewBundles;
+  RejectReason reject_reason = RejectReason::kTooFewBundles;
   Matrix6 covariance = Matrix6::Zero();  ///< of the twist of perturb() [m, rad]; zero unless converged
   Observability weakest;                 ///< the direction that is known least
-  double inlier_share = 0;               ///< of all bundles: on the map and within the 95 % ellipsoid
+  double inlier_fraction = 0;               ///< of all bundles: on the map and within the 95 % ellipsoid
   double residual = 0;                   ///< mean squared Mahalanobis distance of the inliers
   int iterations = 0;
 
-  bool converged() const { return outcome == RegistrationOutcome::kConverged; }
+  bool converged() const { return reject_reason == RejectReason::kNone; }
 };
-
-/// "converged", "unobservable: translation along x", ...
-std::string to_string(const Registration& registration);
 
 /// The bundles of a scan in its own frame, for registration; iterating then only transforms them. However
 /// fine the map, they are at least 0.4 m wide: of smaller ones, most hold too few points to tell a plane.

@@ -66,14 +66,14 @@ std::vector<Pose> finalists(std::vector<Try> tries, int count) {
 /// The best of the registrations, unless another place is about as good.
 Registration winner(std::vector<Registration> found, double rival) {
   const auto is_better = [](const Registration& a, const Registration& b) {
-    return std::pair(a.converged(), a.inlier_share) < std::pair(b.converged(), b.inlier_share);
+    return std::pair(a.converged(), a.inlier_fraction) < std::pair(b.converged(), b.inlier_fraction);
   };
   Registration best = *std::max_element(found.begin(), found.end(), is_better);
   const bool has_rival = std::any_of(found.begin(), found.end(), [&](const Registration& other) {
-    return other.converged() && other.inlier_share > rival * best.inlier_share &&
+    return other.converged() && other.inlier_fraction > rival * best.inlier_fraction &&
            !is_one_place(other.T_map_sensor, best.T_map_sensor);
   });
-  if (best.converged() && has_rival) best.outcome = RegistrationOutcome::kAmbiguous;
+  if (best.converged() && has_rival) best.reject_reason = RejectReason::kAmbiguous;
   return best;
 }
 

@@ -12,14 +12,14 @@
 
 namespace evermap {
 
-/// Holds the changes of the last scans on probation: until a scan has aged out, all that it did to the map
-/// can be taken back, bit for bit. So a run of wrong poses that is found out late does no harm.
+/// Remembers what the last scans changed, so that it can be undone, bit for bit: a run of wrong poses that is
+/// found out late does no harm.
 ///
 /// Class invariant: a scan's images are those of before its own changes. Not thread safe.
-class Probation {
+class Rollback {
  public:
   /// `scans`: how many are held; 0 holds none.
-  explicit Probation(std::size_t scans) : capacity_(scans) {}
+  explicit Rollback(std::size_t scans) : capacity_(scans) {}
 
   /// Begins a scan: the oldest becomes final when there are too many.
   void begin_scan();
@@ -30,7 +30,7 @@ class Probation {
 
   /// Makes the map what it was before the oldest scan held, and holds none. REQUIRES: since then, the map was
   /// changed only at leaves that were remembered.
-  void take_back(Octree& octree);
+  void roll_back(Octree& octree);
 
  private:
   struct BeforeImage {

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <utility>
 
-#include <evermap/update/probation.hpp>
+#include <evermap/update/rollback.hpp>
 
 namespace evermap {
 
-void Probation::begin_scan() {
+void Rollback::begin_scan() {
   std::vector<BeforeImage> images;
   if (scans_.size() >= capacity_ && !scans_.empty()) {
     images.swap(scans_.front());  // for its memory
@@ -16,13 +16,13 @@ void Probation::begin_scan() {
   if (capacity_ > 0) scans_.push_back(std::move(images));
 }
 
-void Probation::remember(LeafFinder<const Octree>& leaves, VoxelKey key) {
+void Rollback::remember(LeafFinder<const Octree>& leaves, VoxelKey key) {
   if (scans_.empty()) return;
   const Leaf* leaf = leaves.find(key);
   scans_.back().push_back({key, leaf != nullptr ? std::optional(*leaf) : std::nullopt});
 }
 
-void Probation::take_back(Octree& octree) {
+void Rollback::roll_back(Octree& octree) {
   // Backwards, so that a leaf changed more than once ends as it was first.
   for (auto scan = scans_.rbegin(); scan != scans_.rend(); ++scan) {
     for (auto image = scan->rbegin(); image != scan->rend(); ++image) {

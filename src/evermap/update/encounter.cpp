@@ -4,19 +4,19 @@
 #include <cmath>
 
 #include <evermap/geometry/for_each_index.hpp>
-#include <evermap/update/meeting.hpp>
+#include <evermap/update/encounter.hpp>
 
 namespace evermap {
 namespace {
 
 constexpr std::size_t kGrain = 1024;  ///< rays per task
 
-/// The share of the ray that is known to be free: just before the hit, range noise forbids a verdict.
-double free_share(const Ray& ray, const Gaussian& bundle, const LidarParameters& lidar) {
+/// The fraction of the ray that is known to be free: just before the hit, range noise forbids a verdict.
+double free_fraction(const Ray& ray, const Gaussian& bundle, double range_sigma) {
   const double length = ray.length();
   const Eigen::Vector3d u = (ray.end - ray.origin) / length;
   const double sigma_along = std::sqrt(u.dot(bundle.covariance * u));
-  return 1 - (3 * lidar.range_sigma + 2 * sigma_along) / length;
+  return 1 - (3 * range_sigma + 2 * sigma_along) / length;
 }
 
 /// The leaves of bricks, in ascending order, that the scan did not hit.
@@ -43,30 +43,29 @@ class Unhit {
 
 }  // namespace
 
-std::vector<RayFan::Target> looked_at(const BundleGrid& bundles, const UpdateParameters& parameters) {
+std::vector<RayFan::Target> looked_at(const BundleGrid& bundles) {
   std::vector<RayFan::Target> targets(bundles.bundles().size());
   for_each_index(targets.size(), kGrain, [&](std::size_t i) {
     const Gaussian& points = bundles.bundles()[i].points;
     const Ray ray{bundles.origin_map, points.mean};
-    targets[i] = {ray.end, free_share(ray, points, parameters.lidar)};
+    targets[i] = {ray.end, free_fraction(ray, points, bundles.range_sigma)};
   });
   return targets;
 }
 
-std::vector<Meeting> meet(const BundleGrid& bundles, const RayFan& fan, std::span<const PlacedBrick> bricks,
+std::vector<Encounter> find_encounters(const BundleGrid& bundles, const RayFan& fan, std::span<const PlacedBrick> bricks,
                           const UpdateParameters& parameters) {
-  std::vector<Meeting> meetings;
-  if (bricks.empty()) return meetings;
-  const bool trims = parameters.difference != Difference::kNone;
-  Unhit unhit(bundles, bricks.front().first);
+  std::vector<Encounter> encounters;
+  if (bricks.empty()) return encounters;
+    Unhit unhit(bundles, bricks.front().first);
   for (const PlacedBrick& brick : bricks) {
-    fan.for_each_met(brick, trims ? brick.brick->mask() : unhit.of(brick),
+    fan.for_each_met(brick, parameters.trim_leaves ? brick.brick->mask() : unhit.of(brick),
                      [&](std::uint32_t index, const RayFan::Target& target, VoxelKey key, const Leaf& leaf) {
                        leaf.prefetch();
-                       meetings.push_back({key, &leaf, index, target});
+                       encounters.push_back({key, &leaf, index, target});
                      });
   }
-  return meetings;
+  return encounters;
 }
 
 }  // namespace evermap
