@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include <evermap/io/input_file.hpp>
+#include <evermap/files/input_file.hpp>
 
 namespace evermap {
 namespace {

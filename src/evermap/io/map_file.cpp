@@ -11,8 +11,8 @@
 
 #include <xxhash.h>
 
+#include <evermap/files/input_file.hpp>
 #include <evermap/io/atomic_file.hpp>
-#include <evermap/io/input_file.hpp>
 #include <evermap/io/map_file.hpp>
 
 namespace evermap {
@@ -204,7 +204,7 @@ class MapReader {
   }
 
   [[noreturn]] void fail_at(std::uint64_t offset, const std::string& what) const {
-    throw IoError(file_.path(), IoError::Unit::kByte, offset, what);
+    throw FileError::at_byte(file_.path(), offset, what);
   }
   [[noreturn]] void fail(const std::string& what) const {
     fail_at(offset_, what + "; the map is damaged, restore it from a copy");
@@ -289,8 +289,8 @@ void save_map(const std::filesystem::path& path, const Octree& octree) {
   octree.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
     const Record record = to_record(key, leaf);
     if (!is_sound(record)) {
-      throw IoError(path,
-                    "not saved: leaf " + std::to_string(key.bits()) + " holds a value that is not finite");
+      throw FileError(path,
+                      "not saved: leaf " + std::to_string(key.bits()) + " holds a value that is not finite");
     }
     writer.add(key, record);
   });
