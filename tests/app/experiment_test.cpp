@@ -21,7 +21,7 @@
 #include "experiments/outdated_drive.hpp"
 #include "experiments/redlight_course.hpp"
 #include "experiments/scenario_course.hpp"
-#include <evermap/io/io_error.hpp>
+#include <evermap/files/file_error.hpp>
 
 namespace evermap {
 namespace {
@@ -294,10 +294,10 @@ TEST_F(LaboratoryTest, TakesResultsOfAnotherBuildOnlyWhenTold) {
 TEST_F(LaboratoryTest, RefusesFoldersOfOthers) {
   std::filesystem::create_directory(path("mine"));
   make("mine/thesis.tex", "years of work");
-  EXPECT_THROW(Laboratory(path("mine"), false), IoError);
+  EXPECT_THROW(Laboratory(path("mine"), false), FileError);
   EXPECT_FALSE(std::filesystem::exists(path("mine/units")));
   make("file", "x");
-  EXPECT_THROW(Laboratory(path("file"), false), IoError);
+  EXPECT_THROW(Laboratory(path("file"), false), FileError);
 }
 
 TEST(StoryTest, SaysTheSameInEveryForm) {

@@ -7,7 +7,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "io/file_fixture.hpp"
+#include "files/file_fixture.hpp"
 
 namespace evermap {
 namespace {
@@ -180,10 +180,10 @@ TEST_F(HtmlReportTest, DrawingsKeepTheirNamesApart) {
 
 TEST_F(HtmlReportTest, APictureThatCannotBeShownIsAnError) {
   HtmlReport report("");
-  EXPECT_THROW(report.figure(path("nowhere.svg"), ""), IoError);
-  EXPECT_THROW(report.figure(make("empty.png", ""), ""), IoError);
-  EXPECT_THROW(report.figure(make("text.svg", "no drawing"), ""), IoError);
-  EXPECT_THROW(report.figure(make("plot.gif", "GIF89a"), ""), IoError);
+  EXPECT_THROW(report.figure(path("nowhere.svg"), ""), FileError);
+  EXPECT_THROW(report.figure(make("empty.png", ""), ""), FileError);
+  EXPECT_THROW(report.figure(make("text.svg", "no drawing"), ""), FileError);
+  EXPECT_THROW(report.figure(make("plot.gif", "GIF89a"), ""), FileError);
   EXPECT_EQ(report.html(), HtmlReport("").html()) << "nothing of it is left in the page";
 }
 
@@ -191,7 +191,7 @@ TEST_F(HtmlReportTest, IsSavedAsItIs) {
   const HtmlReport report = whole_report();
   report.save(path("index.html"));
   EXPECT_EQ(content(path("index.html")), report.html());
-  EXPECT_THROW(report.save(path("nowhere/index.html")), IoError);
+  EXPECT_THROW(report.save(path("nowhere/index.html")), FileError);
 }
 
 }  // namespace

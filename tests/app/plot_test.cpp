@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <regex>
 
+#include "files/file_fixture.hpp"
 #include "gnuplot_script.hpp"
-#include "io/file_fixture.hpp"
 
 namespace evermap {
 namespace {
@@ -230,7 +230,7 @@ TEST_F(PlotTest, WhatGnuplotSaysIsTheError) {
 }
 
 TEST_F(PlotTest, AFolderThatIsNotThereIsAnError) {
-  EXPECT_THROW(write_plot(path("nowhere/plot"), two_lines()), IoError);
+  EXPECT_THROW(write_plot(path("nowhere/plot"), two_lines()), FileError);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "io/file_fixture.hpp"
+#include "files/file_fixture.hpp"
 
 namespace evermap {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
-#include <evermap/io/text_lines.hpp>
+#include <evermap/files/text_lines.hpp>
 
 namespace evermap {
 namespace {
@@ -16,6 +16,12 @@ std::optional<Number> parse(std::string_view token) {
   const auto [parsed, error] = std::from_chars(token.data(), end, value);
   if (error != std::errc{} || parsed != end) return std::nullopt;
   return value;
+}
+
+/// from_chars knows no plus sign, but C programs print it.
+std::string_view without_plus(std::string_view token) {
+  if (token.size() > 1 && token[0] == '+' && token[1] != '-') token.remove_prefix(1);
+  return token;
 }
 
 }  // namespace
@@ -35,10 +41,10 @@ std::string in_quotes(std::string_view token) {
   return '\'' + text + (token.size() > kLongest ? "...'" : "'");
 }
 
-std::optional<double> parse_number(std::string_view token) {
-  // from_chars knows no plus sign, but C programs print it.
-  if (token.size() > 1 && token[0] == '+' && token[1] != '-') token.remove_prefix(1);
-  return parse<double>(token);
+std::optional<double> parse_number(std::string_view token) { return parse<double>(without_plus(token)); }
+
+std::optional<std::int64_t> parse_integer(std::string_view token) {
+  return parse<std::int64_t>(without_plus(token));
 }
 
 std::optional<std::uint64_t> parse_count(std::string_view token) { return parse<std::uint64_t>(token); }

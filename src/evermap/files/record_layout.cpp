@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-#include <evermap/io/record_layout.hpp>
+#include <evermap/files/record_layout.hpp>
 
 namespace evermap {
 namespace {

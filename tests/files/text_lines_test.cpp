@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
-#include "io/file_fixture.hpp"
-#include <evermap/io/text_lines.hpp>
+#include "files/file_fixture.hpp"
+#include <evermap/files/text_lines.hpp>
 
 namespace evermap {
 namespace {

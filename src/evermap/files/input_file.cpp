@@ -5,14 +5,14 @@
 #include <system_error>
 #include <utility>
 
-#include <evermap/io/input_file.hpp>
+#include <evermap/files/input_file.hpp>
 
 namespace evermap {
 
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& message) {
-  throw IoError(path, message);
+  throw FileError(path, message);
 }
 
 std::uint64_t size_of(const std::filesystem::path& path) {

@@ -20,7 +20,7 @@
 
 #include <gtest/gtest.h>
 
-#include <evermap/io/io_error.hpp>
+#include <evermap/files/file_error.hpp>
 
 namespace evermap {
 
@@ -85,10 +85,10 @@ std::string bytes_of(const std::vector<T>& values, std::endian order = std::endi
 /// The error that `call` throws; a failure of the test when it throws none. Every error must be one line that
 /// begins with the file's path and holds `text`.
 template <typename Call>
-IoError io_error(const std::filesystem::path& path, std::string_view text, Call call) {
+FileError file_error(const std::filesystem::path& path, std::string_view text, Call call) {
   try {
     call();
-  } catch (const IoError& error) {
+  } catch (const FileError& error) {
     const std::string_view what = error.what();
     EXPECT_EQ(error.path(), path);
     EXPECT_TRUE(what.starts_with(path.string() + ": ")) << what;
@@ -96,16 +96,16 @@ IoError io_error(const std::filesystem::path& path, std::string_view text, Call 
     EXPECT_NE(what.find(text), std::string_view::npos) << what << "\nlacks: " << text;
     return error;
   }
-  ADD_FAILURE() << "no IoError for " << text;
+  ADD_FAILURE() << "no FileError for " << text;
   return {path, "no error"};
 }
 
-inline void expect_at_line(const IoError& error, std::uint64_t line) {
-  EXPECT_EQ(error.unit(), IoError::Unit::kLine) << error.what();
+inline void expect_at_line(const FileError& error, std::uint64_t line) {
+  EXPECT_EQ(error.unit(), FileError::Unit::kLine) << error.what();
   EXPECT_EQ(error.position(), line) << error.what();
 }
-inline void expect_at_byte(const IoError& error, std::uint64_t offset) {
-  EXPECT_EQ(error.unit(), IoError::Unit::kByte) << error.what();
+inline void expect_at_byte(const FileError& error, std::uint64_t offset) {
+  EXPECT_EQ(error.unit(), FileError::Unit::kByte) << error.what();
   EXPECT_EQ(error.position(), offset) << error.what();
 }
 

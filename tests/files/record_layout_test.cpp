@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <limits>
 
-#include "io/file_fixture.hpp"
-#include <evermap/io/record_layout.hpp>
+#include "files/file_fixture.hpp"
+#include <evermap/files/record_layout.hpp>
 
 namespace evermap {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <evermap/io/record_layout.hpp>
-#include <evermap/io/text_lines.hpp>
+#include <evermap/files/record_layout.hpp>
+#include <evermap/files/text_lines.hpp>
 
 namespace evermap {
 
@@ -35,7 +35,7 @@ struct PlyHeader {
   std::vector<PlyElement> elements;  ///< in the order in which their data follows
 };
 
-/// Reads the header and leaves `lines` at its last one, end_header. Throws IoError naming the line that is
+/// Reads the header and leaves `lines` at its last one, end_header. Throws FileError naming the line that is
 /// wrong.
 PlyHeader read_ply_header(const InputFile& file, TextLines& lines);
 

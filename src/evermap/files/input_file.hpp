@@ -8,12 +8,12 @@
 #include <string>
 #include <string_view>
 
-#include <evermap/io/io_error.hpp>
+#include <evermap/files/file_error.hpp>
 
 namespace evermap {
 
-/// A file that is read piece by piece. The constructor throws IoError when there is no such file, or it is no
-/// regular file, empty or unreadable.
+/// A file that is read piece by piece. The constructor throws FileError when there is no such file, or it is
+/// no regular file, empty or unreadable.
 class InputStream {
  public:
   explicit InputStream(std::filesystem::path path);
@@ -22,8 +22,8 @@ class InputStream {
   std::uint64_t position() const { return position_; }      ///< [bytes]
   std::uint64_t rest() const { return size_ - position_; }  ///< [bytes] that follow
 
-  /// Reads the next `size` bytes to the end of the buffer. REQUIRES: size <= rest(). Throws IoError when they
-  /// cannot be read, or are no longer there.
+  /// Reads the next `size` bytes to the end of the buffer. REQUIRES: size <= rest(). Throws FileError when
+  /// they cannot be read, or are no longer there.
   void append_to(std::string& buffer, std::size_t size);
 
  private:
@@ -36,7 +36,7 @@ class InputStream {
 /// A whole file in memory, and the way to say what is wrong in it.
 ///
 /// A copy instead of a memory map, because a map kills the process when the file shrinks meanwhile. The
-/// constructor throws IoError like InputStream's.
+/// constructor throws FileError like InputStream's.
 class InputFile {
  public:
   explicit InputFile(std::filesystem::path path);
@@ -44,12 +44,12 @@ class InputFile {
   const std::filesystem::path& path() const { return path_; }
   std::string_view bytes() const { return bytes_; }
 
-  [[noreturn]] void fail(const std::string& message) const { throw IoError(path_, message); }
+  [[noreturn]] void fail(const std::string& message) const { throw FileError(path_, message); }
   [[noreturn]] void fail_at_byte(std::uint64_t offset, const std::string& message) const {
-    throw IoError(path_, IoError::Unit::kByte, offset, message);
+    throw FileError::at_byte(path_, offset, message);
   }
   [[noreturn]] void fail_at_line(std::uint64_t line, const std::string& message) const {
-    throw IoError(path_, IoError::Unit::kLine, line, message);
+    throw FileError::at_line(path_, line, message);
   }
 
  private:

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include <evermap/io/input_file.hpp>
+#include <evermap/files/input_file.hpp>
 
 namespace evermap {
 
@@ -24,7 +24,8 @@ std::string in_quotes(std::string_view token);
 /// count as numbers.
 std::optional<double> parse_number(std::string_view token);
 
-/// The count (0, 1, 2, ...) that the whole of `token` spells.
+/// The whole number, or the count (0, 1, 2, ...), that all of `token` spells in decimal digits.
+std::optional<std::int64_t> parse_integer(std::string_view token);
 std::optional<std::uint64_t> parse_count(std::string_view token);
 
 /// Walks the lines of a text, or of the text at the front of a binary file. Lines end with LF or CR LF.
@@ -43,7 +44,7 @@ class TextLines {
   std::size_t offset() const { return offset_; }    ///< [bytes] where the line after it begins
   std::size_t remaining() const { return file_.bytes().size() - offset_; }  ///< [bytes] after that line
 
-  /// Replaces `values` by the numbers of the line. Throws IoError at this line when a token is no number.
+  /// Replaces `values` by the numbers of the line. Throws FileError at this line when a token is no number.
   void read_numbers(std::vector<double>& values) const;
 
   [[noreturn]] void fail(const std::string& message) const { file_.fail_at_line(number_, message); }
