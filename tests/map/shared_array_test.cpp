@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <string>
+#include <algorithm>
+#include <memory>
 #include <support/random_geometry.hpp>
 #include <vector>
 
@@ -12,8 +13,9 @@ namespace evermap {
 namespace {
 
 using test::Random;
-using Array = SharedArray<std::string>;
-using Twin = std::vector<std::string>;
+using Value = std::shared_ptr<int>;
+using Array = SharedArray<Value>;
+using Twin = std::vector<Value>;
 
 Twin elements(const Array& array) { return {array.data(), array.data() + array.size()}; }
 
@@ -26,7 +28,7 @@ TEST(SharedArray, CopiesBehaveLikeVectorsOfTheirOwn) {
   for (int i = 0; i < 30000; ++i) {
     const auto a = static_cast<std::size_t>(random.integer(0, 4));
     const auto b = static_cast<std::size_t>(random.integer(0, 4));
-    const std::string value = std::to_string(i) + " is long enough to be on the heap";
+    const Value value = std::make_shared<int>(i);  // whose destruction shows
     const auto place = [&](std::size_t size) {
       return static_cast<std::size_t>(random.integer(0, static_cast<int>(size) - 1));
     };
@@ -52,8 +54,8 @@ TEST(SharedArray, CopiesBehaveLikeVectorsOfTheirOwn) {
         break;
       default: {
         const std::size_t at = place(twins[a].size() + 1);
-        std::string& inserted = arrays[a].insert(at);
-        EXPECT_EQ(inserted, "");
+        Value& inserted = arrays[a].insert(at);
+        EXPECT_EQ(inserted, nullptr);
         inserted = value;
         twins[a].insert(twins[a].begin() + static_cast<std::ptrdiff_t>(at), value);
       }
@@ -68,16 +70,23 @@ TEST(SharedArray, CopiesBehaveLikeVectorsOfTheirOwn) {
 }
 
 TEST(SharedArray, ACopyTakesNoMemoryUntilItIsChanged) {
-  Array array(Twin{"a", "b", "c"});
+  const Value a = std::make_shared<int>(1);
+  const Value b = std::make_shared<int>(2);
+  Array array(Twin{a, b});
+  EXPECT_EQ(a.use_count(), 2);
   Array copy = array;
   EXPECT_EQ(copy.data(), array.data());
-  copy.own(1) = "x";
+  EXPECT_EQ(a.use_count(), 2);
+  copy.own(1) = nullptr;
   EXPECT_NE(copy.data(), array.data());
-  EXPECT_EQ(elements(array), (Twin{"a", "b", "c"}));
-  EXPECT_EQ(elements(copy), (Twin{"a", "x", "c"}));
-  const std::string* before = copy.data();
-  copy.own(2) = "y";  // its own already
+  EXPECT_EQ(elements(array), (Twin{a, b}));
+  EXPECT_EQ(elements(copy), (Twin{a, nullptr}));
+  const Value* before = copy.data();
+  copy.own(1) = b;  // its own already
   EXPECT_EQ(copy.data(), before);
+  array = Array();
+  copy = array;
+  EXPECT_EQ(a.use_count(), 1);  // nothing is left over
 }
 
 }  // namespace

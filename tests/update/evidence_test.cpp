@@ -141,7 +141,7 @@ TEST_F(TraceThroughAFace, NeighbouringHitsSpareAFaceWithinTheAlignmentError) {
   int contradicted[2] = {0, 0};
   for (const int generous : {0, 1}) {
     UpdateParameters parameters;
-    parameters.displacement = generous ? 12 : 0;  // times 1 cm, as nothing is hit that tells
+    parameters.surface_tolerance = generous ? 12 : 0;  // times 1 cm, as nothing is hit that tells
     for (const LeafEvidence& leaf : trace(octree, seen(octree, moved), parameters).leaves) {
       contradicted[generous] += leaf.impact > 0;
     }

@@ -15,14 +15,12 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using test::Encounter;
-using test::golden_section;
 using test::Random;
-using test::random_encounter;
 using test::travelling;
-using test::TravellingDivergence;
 
 /// The divergence has two directions; equation 3 is the minimum of D(travelling bundle || leaf).
+double likelihood(const Approach& approach) { return std::exp(-0.5 * approach.mahalanobis_squared); }
+
 /// The closest among points of the ray, not of the line behind the sensor; `reach` is a fraction of the ray.
 Approach sampled_approach(const Ray& ray, const Gaussian& leaf, double reach, int samples) {
   Approach best{0, std::numeric_limits<double>::infinity()};

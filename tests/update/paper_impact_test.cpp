@@ -6,6 +6,7 @@
 #include <support/encounter.hpp>
 #include <support/random_geometry.hpp>
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include <evermap/update/impact.hpp>
@@ -198,8 +199,6 @@ TEST(Equation5, StaysBetweenZeroAndOne) {
   }
   EXPECT_GT(third_case, 1000);
 }
-
-double likelihood(const Approach& approach) { return std::exp(-0.5 * approach.mahalanobis_squared); }
 
 TEST(PaperImpact, IsEquation5WhereTheBundleResemblesTheLeafMost) {
   Random random(8);

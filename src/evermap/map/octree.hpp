@@ -59,20 +59,27 @@ class Octree {
     return found == blocks_.end() ? nullptr : &found->second;
   }
   Block* find_block(std::uint64_t block_key) {
-    return const_cast<Block*>(std::as_const(*this).find_block(block_key));
+    const auto found = blocks_.find(block_key);
+    return found == blocks_.end() ? nullptr : &found->second;
   }
   /// The brick that holds this voxel, if it holds any leaf.
   const Brick* find_brick(VoxelKey key) const {
     const Block* block = find_block(key.block());
     return block ? block->find(key.brick_in_block()) : nullptr;
   }
-  Brick* find_brick(VoxelKey key) { return const_cast<Brick*>(std::as_const(*this).find_brick(key)); }
+  Brick* find_brick(VoxelKey key) {
+    Block* block = find_block(key.block());
+    return block ? block->find(key.brick_in_block()) : nullptr;
+  }
 
   const Leaf* find(VoxelKey key) const {
     const Brick* brick = find_brick(key);
     return brick ? brick->find(key.voxel_in_brick()) : nullptr;
   }
-  Leaf* find(VoxelKey key) { return const_cast<Leaf*>(std::as_const(*this).find(key)); }
+  Leaf* find(VoxelKey key) {
+    Brick* brick = find_brick(key);
+    return brick ? brick->find(key.voxel_in_brick()) : nullptr;
+  }
 
   /// The leaf of this voxel, made when there is none. Pointers to other leaves become invalid.
   Leaf& find_or_insert(VoxelKey key) {
