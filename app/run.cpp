@@ -11,7 +11,7 @@
 #include <oneapi/tbb/task_arena.h>
 #include <spdlog/spdlog.h>
 
-#include "experiments/machine.hpp"
+#include "cpu_time.hpp"
 #include "progress_bar.hpp"
 #include <evermap/io/io_error.hpp>
 

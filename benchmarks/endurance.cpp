@@ -17,8 +17,8 @@
 #include <fmt/core.h>
 #include <oneapi/tbb/global_control.h>
 
+#include "cpu_time.hpp"
 #include "drive.hpp"
-#include "experiments/machine.hpp"
 #include "experiments/result_file.hpp"
 #include <evermap/maintenance/map_maintainer.hpp>
 

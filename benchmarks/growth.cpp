@@ -17,8 +17,8 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include "cpu_time.hpp"
 #include "drive.hpp"
-#include "experiments/machine.hpp"
 #include "experiments/result_file.hpp"
 #include <evermap/update/evidence.hpp>
 #include <evermap/update/encounter.hpp>

@@ -17,7 +17,4 @@ std::string compiler();
 /// What figures depend on besides the method: processor, compiler, versions of libraries.
 Json machine_facts();
 
-/// [s] CPU time of this process.
-double cpu_seconds();
-
 }  // namespace evermap

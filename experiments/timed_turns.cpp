@@ -7,7 +7,7 @@
 
 #include <oneapi/tbb/global_control.h>
 
-#include "experiments/machine.hpp"
+#include "cpu_time.hpp"
 
 namespace evermap {
 namespace {
