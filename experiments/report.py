@@ -146,7 +146,10 @@ def report(folder, markdown_file):
     write_page(folder, title, told)
     if markdown_file:
         write_markdown(folder, markdown_file, told)
-    print(f"\npage     {folder / 'index.html'}")
+    if names == ["demo"]:
+        print(f"\nMaps, pictures and index.html are in {folder}/")
+    else:
+        print(f"\npage     {folder / 'index.html'}")
 
 
 def main(arguments=None):
