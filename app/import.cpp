@@ -10,7 +10,7 @@
 #include "report.hpp"
 #include "verbs.hpp"
 #include <evermap/io/cloud.hpp>
-#include <evermap/io/io_error.hpp>
+#include <evermap/files/file_error.hpp>
 #include <evermap/io/map_file.hpp>
 
 namespace evermap {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <evermap/io/io_error.hpp>
+#include <evermap/files/file_error.hpp>
 #include <evermap/io/scan_source.hpp>
 
 namespace evermap {
@@ -21,7 +21,7 @@ class Schedule {
     if (options.odometry.empty()) return;
     poses_ = read_poses(options.odometry);
     if (poses_.size() == scans) return;
-    throw IoError(options.odometry,
+    throw FileError(options.odometry,
                   fmt::format("has {} poses for the {} scans of {}; give one pose for each scan",
                               poses_.size(), scans, options.scans.string()));
   }
@@ -74,7 +74,7 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
            take([&] { return maintainer.process(scan, time, schedule.T_odom_sensor(index)); }));
   });
   if (!options.odometry.empty() && result.count(TrackingState::kTracking) == 0) {
-    throw IoError(
+    throw FileError(
         options.odometry,
         "no scan could be tracked with this odometry; is it of the LiDAR itself, its x axis ahead?");
   }

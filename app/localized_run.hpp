@@ -41,7 +41,7 @@ struct LocalizedRun {
   std::size_t count(TrackingState state) const { return states[static_cast<std::size_t>(state)]; }
 };
 
-/// Gives the maintainer scan by scan until all are done or SIGINT or SIGTERM came. Throws IoError when scans
+/// Gives the maintainer scan by scan until all are done or SIGINT or SIGTERM came. Throws FileError when scans
 /// or odometry cannot be read or do not belong together. `scan_period` [s] tells the scans' times where the
 /// odometry has none.
 LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& maintainer, double scan_period);

@@ -11,9 +11,9 @@
 #include <oneapi/tbb/task_arena.h>
 #include <spdlog/spdlog.h>
 
-#include "experiments/machine.hpp"
+#include "cpu_time.hpp"
 #include "progress_bar.hpp"
-#include <evermap/io/io_error.hpp>
+#include <evermap/files/file_error.hpp>
 
 namespace evermap {
 namespace {
@@ -30,7 +30,7 @@ double wall_seconds() {
 
 void check_any_used(const PointCounts& points, const std::filesystem::path& file) {
   if (points.used > 0) return;
-  throw IoError(
+  throw FileError(
       file,
       fmt::format("no usable point among {}: {} not finite, {} at the origin, {} nearer than min range, "
                   "{} farther than max range, {} beyond the grid; check the ranges and the scans",

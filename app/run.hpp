@@ -12,7 +12,7 @@
 
 namespace evermap {
 
-/// Throws IoError naming `file` when none of the points was used.
+/// Throws FileError naming `file` when none of the points was used.
 void check_any_used(const PointCounts& points, const std::filesystem::path& file);
 
 /// What a verb did with a sequence of scans.
@@ -34,7 +34,7 @@ using Work = std::function<ScanResult()>;
 using TakeScan = std::function<ScanResult(const Work& work)>;
 Run run_over(std::size_t scans, int threads, const std::function<void(const TakeScan& take)>& next);
 
-/// Gives the maintainer all scans with their poses. Throws IoError when a scan cannot be read, or when no
+/// Gives the maintainer all scans with their poses. Throws FileError when a scan cannot be read, or when no
 /// point of any scan could be used.
 Run run_over(PosedScans& scans, int threads, MapMaintainer& maintainer);
 
