@@ -11,6 +11,7 @@ set(map_MAY_INCLUDE geometry)
 set(update_MAY_INCLUDE geometry scan map)
 set(localization_MAY_INCLUDE geometry scan map)
 set(io_MAY_INCLUDE geometry scan map)
+set(octomap_MAY_INCLUDE geometry map io)
 set(simulation_MAY_INCLUDE geometry scan)
 set(evaluation_MAY_INCLUDE geometry scan map update)
 
