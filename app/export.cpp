@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -10,6 +11,7 @@
 #include "verbs.hpp"
 #include <evermap/io/map_export.hpp>
 #include <evermap/io/map_file.hpp>
+#include <evermap/octomap/octomap_export.hpp>
 
 namespace evermap {
 namespace {
@@ -19,11 +21,19 @@ struct Options {
   std::filesystem::path output;
 };
 
+std::vector<MapFormat> export_formats() {
+  std::vector<MapFormat> formats;
+  formats.insert(formats.end(), cloud_formats().begin(), cloud_formats().end());
+  formats.insert(formats.end(), octomap_formats().begin(), octomap_formats().end());
+  return formats;
+}
+
 void run(const Options& options) {
-  check_export_extension(options.output);
+  const std::vector<MapFormat> formats = export_formats();
+  check_export_extension(options.output, formats);
   check_writable(options.output);
   const Octree octree = load_map(options.map);
-  export_map(octree, options.output);
+  export_map(octree, options.output, formats);
   fmt::print("file     {}\nleaves   {}\n", options.output.string(), LeafCounts(octree).occupied);
 }
 

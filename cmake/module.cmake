@@ -18,6 +18,9 @@ function(evermap_module name)
   list(TRANSFORM ARG_DEPENDS PREPEND evermap_)
   target_link_libraries(evermap_${name} PUBLIC ${ARG_DEPENDS} ${ARG_LINKS}
     PRIVATE $<BUILD_INTERFACE:evermap_warnings> ${ARG_PRIVATE_LINKS})
+  evermap_precompile(evermap_${name} library)
   install(TARGETS evermap_${name} EXPORT evermap_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/evermap/${ARG_FOLDER} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/evermap
+    FILES_MATCHING PATTERN "*.hpp")
   set_property(GLOBAL APPEND PROPERTY EVERMAP_MODULES ${name})
 endfunction()

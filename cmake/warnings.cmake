@@ -8,3 +8,8 @@ option(EVERMAP_WERROR "Treat warnings as errors" ON)
 if(EVERMAP_WERROR)
   target_compile_options(evermap_warnings INTERFACE -Werror)
 endif()
+# GCC 12 warns of values that its own AVX-512 headers leave undefined on purpose (GCC bug 105593).
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13 AND
+    EVERMAP_ARCH MATCHES "native|avx512|v4")
+  target_compile_options(evermap_warnings INTERFACE -Wno-maybe-uninitialized)
+endif()

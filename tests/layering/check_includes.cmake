@@ -14,6 +14,7 @@ set(localization_MAY_INCLUDE geometry scan map)
 set(maintenance_MAY_INCLUDE geometry scan map update localization)
 set(config_MAY_INCLUDE files maintenance)
 set(io_MAY_INCLUDE files geometry scan map)
+set(octomap_MAY_INCLUDE files geometry map io)
 set(simulation_MAY_INCLUDE files geometry scan)
 set(evaluation_MAY_INCLUDE geometry scan map update localization maintenance)
 

@@ -1,0 +1,30 @@
+# SPDX-FileCopyrightText: 2026 the evermap authors
+# SPDX-License-Identifier: BSD-3-Clause
+# cmake -DROOT= -DSOURCE= -DWORK= -DGENERATOR= -DCOMPILER= -DFLAGS= -DVERSION= -P check_core.cmake
+# Configures, builds and installs the core of ROOT where no package is found but Eigen and TBB (and xxHash, a library by
+# its name), and builds and runs an example against it by the project SOURCE.
+cmake_minimum_required(VERSION 3.25)
+
+function(run)
+  execute_process(COMMAND ${ARGN} COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
+set(hidden)
+foreach(package IN ITEMS benchmark CLI11 embree fmt GTest nanoflann nlohmann_json octomap PkgConfig PNG rapidcheck spdlog
+    ufomap yaml-cpp)
+  list(APPEND hidden -DCMAKE_DISABLE_FIND_PACKAGE_${package}=TRUE)
+endforeach()
+set(common -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_FLAGS=${FLAGS} -DCMAKE_BUILD_TYPE=Debug
+  -DCMAKE_CXX_FLAGS_DEBUG=-O0 ${hidden})
+set(off)
+foreach(part IN ITEMS APP BENCHMARKS EVALUATION EXAMPLES OCTOMAP SIMULATION TESTS)
+  list(APPEND off -DEVERMAP_BUILD_${part}=OFF)
+endforeach()
+
+file(REMOVE_RECURSE ${WORK})
+run(${CMAKE_COMMAND} -S ${ROOT} -B ${WORK}/core ${common} ${off} -DCMAKE_INSTALL_PREFIX=${WORK}/prefix)
+run(${CMAKE_COMMAND} --build ${WORK}/core --parallel --target install)
+run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/consumer ${common} -DCMAKE_PREFIX_PATH=${WORK}/prefix
+  -DEVERMAP_VERSION=${VERSION} -DEVERMAP_EXAMPLE=${ROOT}/examples/01_update_a_map.cpp)
+run(${CMAKE_COMMAND} --build ${WORK}/consumer)
+run(${CMAKE_COMMAND} -E chdir ${WORK} ${WORK}/consumer/core_consumer)
