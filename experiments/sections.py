@@ -224,8 +224,8 @@ WORLDS = {"drive": ("drive", ("static kept", "parked kept", "moving removed")), 
 
 def section_ablation(units, folder):
     section = Section("Ablation: one rule after the other", [
-        "Each row adds one rule to the row before, from the paper to the default; rows that end in guard, weight or difference and "
-        "are not the default stand alone. Drive: KITTI, a map built of all scans with the trails of movers in it, then updated "
+        "Each row adds one rule to the row before, from the paper to the default; the printed third case and "
+        "what follows the default stand alone. Drive: KITTI, a map built of all scans with the trails of movers in it, then updated "
         "over the same scans. Red light: fraction kept of what the last scans, too, show within 3 cm. Yard, still: from one "
         "place."])
     for leaf in dict.fromkeys(unit["settings"]["leaf"] for unit in units.values()):
@@ -257,7 +257,7 @@ def section_robustness(units, folder):
 
 def section_demo(units, folder):
     metrics = ("SA", "DA", "COV 0.1", "COV 0.2", "ACC 0.1", "ACC 0.2", "AHD")
-    table = Table("SA: unchanged surface kept. DA: removed surface erased. COV, ACC: share of the true surface near the map, of "
+    table = Table("SA: unchanged surface kept. DA: removed surface erased. COV, ACC: fraction of the true surface near the map, of "
                   "the map near the true surface [m]. AHD: distance between the two [m].",
                   [Column("leaf", 1), Column("map"), *(Column(metric, 4) for metric in metrics)],
                   [[unit["settings"]["leaf"], m["name"], *(at_end(unit["result"], m["name"], metric) for metric in metrics)]

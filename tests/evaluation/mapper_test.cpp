@@ -220,9 +220,9 @@ TEST(MakeMapper, OnlyUfoMapMayBeMissing) {
 
 // A sensor that stands still must not shrink the leaves: the mapper hands its memory of places on.
 TEST(EvermapMapper, RemembersWhereItLookedFrom) {
-  EvermapMapper remembers("", kEdge, UpdateParameters{});
-  UpdateParameters forgetful_parameters;
-  forgetful_parameters.standstill = 0;
+  EvermapMapper remembers("", kEdge, Parameters{});
+  Parameters forgetful_parameters;
+  forgetful_parameters.update.standstill = 0;
   EvermapMapper forgets("", kEdge, forgetful_parameters);
   Random random(1);
   for (EvermapMapper* mapper : {&remembers, &forgets}) mapper->start(survey());
