@@ -75,7 +75,7 @@ Json ClosedLoop::errors() const {
           {"ATE", error.translation_rmse()},
           {"worst", error.translation_max()},
           {"rotation", error.rotation_rmse() * 180 / std::numbers::pi},
-          {"lost", error.share_lost()},
+          {"lost", error.fraction_lost()},
           {"tracked", static_cast<double>(tracked_) / static_cast<double>(found_.size())}};
 }
 

@@ -124,9 +124,9 @@ TEST_F(BadInputTest, Maps) {
   std::string flipped = map;
   flipped[map.size() / 2] ^= 4;
   refused(flipped, "its checksum does not fit");
-  std::string newer = map;
-  newer[8] = 2;
-  refused(newer, "made by a newer evermap: format 2, this program reads up to 1");
+  std::string flipped_format = map;
+  flipped_format[8] = 3;
+  refused(flipped_format, "the header's checksum does not fit; the map is damaged");
 }
 
 TEST_F(BadInputTest, Ranges) {

@@ -11,7 +11,7 @@
 namespace evermap {
 namespace {
 
-class ParametersFileTest : public test::FileTest {
+class ParametersFileTest : public FileTest {
  protected:
   void refuses(const std::string& text, const std::string& place, const std::string& why) {
     const auto file = make("parameters.yaml", text);

@@ -89,7 +89,7 @@ RC_GTEST_PROP(TrajectoryMetrics, AgreeWithTheDefinitions, (unsigned seed)) {
   RC_ASSERT(std::abs(error.translation_max() - farthest) < 1e-12);
   RC_ASSERT(std::abs(error.rotation_rmse() - std::sqrt(squared_angle / 40)) < 1e-9);
   RC_ASSERT(std::abs(error.rotation_max() - widest) < 1e-9);
-  RC_ASSERT(std::abs(error.share_lost() - lost / 40.0) < 1e-12);
+  RC_ASSERT(std::abs(error.fraction_lost() - lost / 40.0) < 1e-12);
   RC_ASSERT(error.aligned_translation_rmse <= error.translation_rmse() + 1e-12);
 }
 
@@ -114,7 +114,7 @@ TEST(TrajectoryMetrics, AShiftedMapShowsWithoutAlignmentOnly) {
   EXPECT_NEAR(error.translation_max(), 0.5, 1e-12);
   EXPECT_NEAR(error.aligned_translation_rmse, 0, 1e-9);
   EXPECT_NEAR(error.rotation_rmse(), 0, 1e-9);
-  EXPECT_EQ(error.share_lost(), 0);
+  EXPECT_EQ(error.fraction_lost(), 0);
 }
 
 // With scale, the alignment would fit half the size exactly.
@@ -142,7 +142,7 @@ TEST(TrajectoryMetrics, LostIsMoreThanOneMetreOrFiveDegreesOff) {
   };
   const std::vector<Pose> truth(4);
   const std::vector<Pose> poses{pose(1, 0), pose(1.01, 0), pose(0, 4.99), pose(0, 5.01)};
-  EXPECT_EQ(compare_trajectories(truth, poses).share_lost(), 0.5);
+  EXPECT_EQ(compare_trajectories(truth, poses).fraction_lost(), 0.5);
 }
 
 TEST(TrajectoryMetrics, WithoutPosesThereIsNothingToSay) {
@@ -151,7 +151,60 @@ TEST(TrajectoryMetrics, WithoutPosesThereIsNothingToSay) {
   EXPECT_TRUE(std::isnan(error.translation_max()));
   EXPECT_TRUE(std::isnan(error.aligned_translation_rmse));
   EXPECT_TRUE(std::isnan(error.rotation_rmse()));
-  EXPECT_TRUE(std::isnan(error.share_lost()));
+  EXPECT_TRUE(std::isnan(error.fraction_lost()));
+}
+
+/// A straight drive of one pose a metre; the found one is a little longer with every step.
+std::vector<Pose> straight(std::size_t poses, double step) {
+  std::vector<Pose> drive(poses);
+  for (std::size_t i = 0; i < poses; ++i) drive[i].translation.x() = step * static_cast<double>(i);
+  return drive;
+}
+
+TEST(Drift, IsTheErrorPerDistance) {
+  const auto truth = straight(201, 1);
+  const auto found = straight(201, 1.01);
+  EXPECT_EQ(path_length(truth), 200);
+  EXPECT_EQ(path_length({}), 0);
+  for (const double stretch : {1.0, 50.0, 200.0}) EXPECT_NEAR(drift(truth, found, stretch), 0.01, 1e-9);
+  EXPECT_TRUE(std::isnan(drift(truth, found, 201)));
+  EXPECT_TRUE(std::isnan(drift({}, {}, 1)));
+  Pose shift;
+  shift.translation = {3, 4, 5};
+  EXPECT_NEAR(drift(truth, moved(shift, truth), 50), 0, 1e-12) << "where a drive begins is no drift";
+}
+
+TEST(Drift, IsThatOfEveryPairOfPoses) {
+  Random random(5);
+  const auto truth = random_trajectory(random, 60);
+  const auto found = disturbed(truth, random, 0.3, 0.05);
+  const double stretch = 100;
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    double along = 0;
+    for (std::size_t k = i + 1; k < truth.size(); ++k) {
+      along += (truth[k].translation - truth[k - 1].translation).norm();
+      if (along < stretch) continue;
+      const Eigen::Vector3d end_true = truth[i].inverse() * truth[k].translation;
+      const Eigen::Vector3d end_found = found[i].inverse() * found[k].translation;
+      sum += (end_found - end_true).norm() / stretch;
+      ++count;
+      break;
+    }
+  }
+  EXPECT_NEAR(drift(truth, found, stretch), sum / count, 1e-12);
+}
+
+TEST(MatchTimes, PairsWhatIsEachOthersNearest) {
+  const auto pairs = match_times({0.0, 0.101, 0.11, 0.2, 0.35}, {0.1, 0.199, 0.3, 0.4}, 0.02);
+  ASSERT_EQ(pairs.size(), 2U);
+  EXPECT_EQ(pairs[0].found, 1U);
+  EXPECT_EQ(pairs[0].truth, 0U);
+  EXPECT_EQ(pairs[1].found, 3U);
+  EXPECT_EQ(pairs[1].truth, 1U);
+  EXPECT_TRUE(match_times({}, {1}, 1).empty());
+  EXPECT_TRUE(match_times({1}, {}, 1).empty());
 }
 
 }  // namespace

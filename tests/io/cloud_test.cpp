@@ -89,6 +89,43 @@ TEST_F(CloudTest, NoiseDoesNoHarm) {
   }
 }
 
+/// Points of 7 m spacing about a UTM coordinate, three values each.
+std::string utm_pcd(const std::string& type) {
+  const std::string size = type == "4" ? "4 4 4" : "8 8 8";
+  const std::vector<double> values = {691000, 4649776, 200, 691007, 4649783, 201};
+  return "FIELDS x y z\nSIZE " + size + "\nTYPE F F F\nWIDTH 2\nDATA binary\n" +
+         (type == "4" ? bytes_of(std::vector<float>(values.begin(), values.end())) : bytes_of(values));
+}
+
+TEST_F(CloudTest, CoordinatesTooCoarseForALeafAreNamed) {
+  CloudNotes notes;
+  const std::filesystem::path coarse = make("a.pcd", utm_pcd("4"));
+  read_cloud(coarse, {}, &notes);
+  EXPECT_EQ(notes.coordinate_step, 0.5);
+  file_error(coarse, "step by 0.5 m at 4649783 m from the origin, too coarse for leaves of 0.2 m",
+             [&] { check_coordinate_step(coarse, notes, 0.2); });
+  const std::filesystem::path fine = make("a.pcd", utm_pcd("8"));
+  read_cloud(fine, {}, &notes);
+  EXPECT_EQ(notes.coordinate_step, 0);
+  check_coordinate_step(fine, notes, 0.05);
+  read_cloud(make("a.bin", bytes_of<float>({1, 2, 3, 0, 100, 2, 3, 0})), {}, &notes);
+  EXPECT_EQ(notes.farthest_coordinate, 100);
+  EXPECT_LT(notes.coordinate_step, 1e-5);
+  check_coordinate_step(path("a.bin"), notes, 0.05);
+}
+
+TEST_F(CloudTest, AViewpointIsNotedAndCanBeIgnored) {
+  std::string pcd = pcd_header(1, "ascii") + "1 2 3\n";
+  CloudNotes notes;
+  read_cloud(make("a.pcd", pcd), {}, &notes);
+  EXPECT_FALSE(notes.has_viewpoint);
+  pcd.replace(pcd.find("0 0 0 1 0 0 0"), 13, "5 0 0 1 0 0 0");
+  EXPECT_TRUE(read_cloud(make("a.pcd", pcd), {}, &notes).T_map_sensor);
+  EXPECT_TRUE(notes.has_viewpoint);
+  EXPECT_FALSE(read_cloud(path("a.pcd"), {.ignore_viewpoint = true}, &notes).T_map_sensor);
+  EXPECT_TRUE(notes.has_viewpoint);
+}
+
 class RealCloudTest : public testing::Test {
  protected:
   static std::filesystem::path data(const std::string& name) {

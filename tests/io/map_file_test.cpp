@@ -150,6 +150,12 @@ TEST_F(MapFileTest, NewerFormatIsRefusedByName) {
                  kFormatOffset);
 }
 
+TEST_F(MapFileTest, AFormatThatOnlyAFaultHasRaisedIsDamage) {
+  std::string bytes = saved(one_leaf());
+  put(bytes, kFormatOffset, std::uint32_t{3});
+  refusal(bytes, "the map is damaged");
+}
+
 TEST_F(MapFileTest, OtherFilesAreRefused) {
   refusal("", "is empty");
   refusal("# .PCD v0.7", "is no evermap map");

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "file_fixture.hpp"
+#include "files/file_fixture.hpp"
 #include <evermap/io/map_file.hpp>
 #include <evermap/io/map_undo.hpp>
 

@@ -68,6 +68,9 @@ TEST_F(PosesTest, BadLinesAreNamed) {
   expect_at_line(error(good + "2 0 1e999 0 0 0 0 1\n", "'1e999' is no number"), 3);
   expect_at_line(error(good + "2 0 nan 0 0 0 0 1\n", "not finite"), 3);
   expect_at_line(error(good + "inf 0 0 0 0 0 0 1\n", "not finite"), 3);
+  expect_at_line(error(good + "1e300 0 0 0 0 0 0 1\n", "that no drive reaches"), 3);
+  expect_at_line(error(good + "2 0 -1e300 0 0 0 0 1\n", "that no drive reaches"), 3);
+  expect_at_line(error("1 0 0 1e9 0 1 0 0 0 0 1 0\n", "that no drive reaches"), 1);
   expect_at_line(error(good + "2 0 0 0 0 0 0 0\n", "has norm 0.0"), 3);
   expect_at_line(error(good + "2 0 0 0 0 0 0 1.02\n", "has norm 1.02"), 3);
   expect_at_line(error(good + "\n1 0 0 0 0 0 0 1\n", "not later"), 4);
@@ -76,6 +79,21 @@ TEST_F(PosesTest, BadLinesAreNamed) {
   expect_at_line(error("1 0 0 0 0 1 0 0 0 0 -1 0\n", "is no rotation"), 1);
   expect_at_line(error("1 0 0 0 0 1 0 0 0 0 1.01 0\n", "is no rotation"), 1);
   expect_at_line(error("0 0 0 0 0 0 0 0 0 0 0 0\n", "is no rotation"), 1);
+}
+
+/// Whatever a pose holds, its line holds nothing else: no byte behind the number's end.
+TEST_F(PosesTest, LongNumbersAreWrittenWhole) {
+  const double longest = -std::numeric_limits<double>::max();
+  StampedPose pose{longest, {}};
+  pose.T_map_sensor.translation = {longest, -1.23456789e-300, longest};
+  write_tum_poses(path("a.txt"), {pose, pose});
+  const std::string text = content(path("a.txt"));
+  EXPECT_EQ(text.find_first_not_of("0123456789+-.e \n"), std::string::npos);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2);
+  const std::string line = text.substr(0, text.find('\n') + 1);
+  EXPECT_EQ(text, line + line);
+  EXPECT_TRUE(line.starts_with(std::to_string(longest) + " -1.79769313e+308 -1.23456789e-300 ")) << line;
+  EXPECT_TRUE(line.ends_with(" 0 0 0 1\n")) << line;
 }
 
 TEST_F(PosesTest, FilesWithoutPosesAreRefused) {

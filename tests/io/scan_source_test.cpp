@@ -31,6 +31,33 @@ TEST_F(ScanSourceTest, FolderIsReadInTheOrderOfNames) {
   EXPECT_FALSE(source.next());
 }
 
+TEST_F(ScanSourceTest, NumbersInNamesAreCounted) {
+  const auto order = [&](const std::vector<std::string>& sorted) {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directory(folder_);
+    for (auto name = sorted.rbegin(); name != sorted.rend(); ++name) make_scan(*name, 1);
+    std::vector<std::string> names;
+    const ScanSource source(folder_);
+    for (std::size_t i = 0; i < source.size(); ++i) names.push_back(source.file(i).filename().string());
+    EXPECT_EQ(names, sorted);
+  };
+  order({"0.bin", "1.bin", "2.bin", "9.bin", "10.bin", "11.bin", "59.bin", "100.bin"});
+  order({"000000.bin", "000001.bin", "000010.bin"});
+  order({"a_2_9a.bin", "a_2_10.bin", "a_10_1.bin", "b_1_1.bin"});
+  order({"1305031102.175.bin", "1305031102.2.bin", "1305031102.25.bin", "1305031110.1.bin",
+         "13050311020.0.bin"});
+  order({"1700000000000000000.bin", "1700000000000000001.bin", "17000000000000000000.bin"});
+  order({"01.bin", "1.bin", "02.bin"});
+  order({"scan.bin", "scan1.bin", "scan2.bin"});
+}
+
+TEST_F(ScanSourceTest, OptionsReachTheReader) {
+  make("a.bin", bytes_of<float>({1, 2, 3, 0, 0, 4, 5, 6, 0, 0}));
+  ScanSource source(folder_, {.bin_fields = 5});
+  EXPECT_EQ(source.next().value().p_sensor.size(), 2U);
+  EXPECT_EQ(source.notes().bin_fields, 5U);
+}
+
 TEST_F(ScanSourceTest, OneFileIsASequenceOfOne) {
   make_scan("a.bin", 7);
   ScanSource source(path("a.bin"));

@@ -180,7 +180,7 @@ TEST(Condense, ExactPlanesKeepAThickness) {
       }
       const Gaussian bundle = only_bundle(points, edge, lidar).points;
       const double s0 = std::max(sigma, 0.02 * edge);
-      EXPECT_EQ(least_thickness(lidar, VoxelGrid{edge}), s0);
+      EXPECT_EQ(least_thickness(lidar.range_sigma, VoxelGrid{edge}), s0);
       // So many points outweigh the prior: the floor (s0 / 2)^2 is what remains.
       EXPECT_NEAR(bundle.covariance(2, 2), s0 * s0 / 4, 1e-12);
       const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(bundle.covariance);

@@ -322,5 +322,11 @@ TEST_F(ScenarioDriveTest, RefusesARobotThatLeavesTheGround) {
                  "the robot leaves the ground's area at scan");
 }
 
+TEST_F(ScenarioDriveTest, RefusesMorePointsThanThereIsMemoryFor) {
+  const ScenarioDrive drive(read());
+  EXPECT_THROW(drive.survey(0.001), FileError);
+  EXPECT_THROW(drive.truth(0, 0.001), FileError);
+}
+
 }  // namespace
 }  // namespace evermap

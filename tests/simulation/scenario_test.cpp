@@ -199,7 +199,8 @@ TEST_F(ScenarioTest, RefusesImpossibleNumbers) {
   expect_refused("scans: 0\n", 1, "scans needs a whole number");
   expect_refused("scans: 1\nground: {area: [0, 0, 0, 5]}\n", 2, "area");
   expect_refused("scans: 1\nground: {area: [0, 0, 9000, 9000]}\n", 2, "too many squares");
-  expect_object_refused("- {name: a, box: [1, -1, 1], at: [5, 5]}", "box needs a number above 0, not '-1'");
+  expect_object_refused("- {name: a, box: [1, -1, 1], at: [5, 5]}",
+                        "box needs a number above 0, up to 1000, not '-1'");
   expect_object_refused("- {name: a, box: [1, 1], at: [5, 5]}", "box needs a list of 3 numbers");
   expect_object_refused("- {name: a, box: [1, 1, 1], at: [5]}", "at needs a list of 2 to 3 numbers");
   expect_object_refused("- {name: a, box: [1, 1, 1], at: [5, 5], reflectivity: 2}", "from 0.01 to 1");
@@ -229,6 +230,26 @@ TEST_F(ScenarioTest, RefusesImpossibleObjects) {
       "scans: 1\nground: {area: [0, 0, 9, 9]}\nrobot: {sensor_height: 1, route: {speed: 1, end: vanish,"
       " waypoints: [[1, 1], [2, 2]]}}\n",
       3, "cannot vanish");
+}
+
+TEST_F(ScenarioTest, RefusesWhatWouldTakeTheMemory) {
+  expect_object_refused("- {name: a, box: [1, 1001, 1], at: [5, 5]}",
+                        "box needs a number above 0, up to 1000, not '1001'");
+  expect_object_refused("- {name: a, post: {height: 1e6}, at: [5, 5]}", "height needs a number from");
+  expect_object_refused("- {name: a, wall: {from: [0, 0], to: [1, 0], height: 1e6}}", "height needs");
+  expect_object_refused("- {name: a, heap: {radius: 1e6, height: 1}, at: [5, 5]}", "radius needs");
+  expect_object_refused("- {name: a, pile: {height: [[0, 1], [9, 20]], repose: 5}, at: [5, 5]}",
+                        "wider than 200 m");
+  std::string places;
+  for (int i = 0; i < 1001; ++i) places += "[" + std::to_string(i) + ", 0], ";
+  expect_object_refused("- {name: a, box: [1, 1, 1], places: [" + places + "]}", "more than 1000 objects");
+  std::string strip =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty int x\nproperty int y\nproperty int z\n"
+      "element face 5000\nproperty list uchar int vertex_index\nend_header\n0 0 0\n1 0 0\n0 1 0\n";
+  for (int i = 0; i < 5000; ++i) strip += "3 0 1 2\n";
+  make("mesh.ply", strip);
+  expect_object_refused("- {name: a, mesh: mesh.ply, places: [" + places + "]}",
+                        "its meshes have more than 4 million triangles");
 }
 
 }  // namespace

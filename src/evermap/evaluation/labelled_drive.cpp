@@ -57,9 +57,9 @@ void add_to_score(DriveScore& score, const Scan& scan, const Pose& T_map_sensor,
     const PointClass kind = classes[i];
     if (kind == PointClass::kExcluded || (kind == PointClass::kMoving && is_last)) continue;
     const bool claimed = claim(T_map_sensor * p_sensor);
-    const auto count = [claimed](DriveScore::Share& share) {
-      ++share.points;
-      share.claimed += claimed ? 1 : 0;
+    const auto count = [claimed](DriveScore::Fraction& fraction) {
+      ++fraction.points;
+      fraction.claimed += claimed ? 1 : 0;
     };
     if (kind == PointClass::kMoving) count(score.moving);
     if (kind == PointClass::kParked) count(score.parked);

@@ -30,18 +30,18 @@ struct DriveScore {
   static constexpr double kPoseSigma = 0.05;    ///< [m] how well a raw point's place is known
   static constexpr std::size_t kLastScans = 5;  ///< whose movers are still where the map shows them
 
-  struct Share {
+  struct Fraction {
     std::size_t points = 0;
     std::size_t claimed = 0;
 
     double value() const { return static_cast<double>(claimed) / static_cast<double>(points); }
   };
-  Share all_static;   ///< outside every box, whether or not the labels reach there
-  Share seen_static;  ///< of these, the ones in the labelled field of view
-  Share parked;
-  Share moving;
+  Fraction all_static;   ///< outside every box, whether or not the labels reach there
+  Fraction seen_static;  ///< of these, the ones in the labelled field of view
+  Fraction parked;
+  Fraction moving;
 
-  double removed() const { return 1 - moving.value(); }  ///< share of the movers' points that is gone
+  double removed() const { return 1 - moving.value(); }  ///< fraction of the movers' points that is gone
   double associated_accuracy() const;                    ///< AA of static kept and moving removed
   double harmonic_accuracy() const;                      ///< HA of the same
 };

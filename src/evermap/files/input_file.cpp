@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cerrno>
+#include <fcntl.h>
+#include <new>
+#include <stdexcept>
 #include <string>
+#include <sys/stat.h>
 #include <system_error>
+#include <unistd.h>
 #include <utility>
 
 #include <evermap/files/input_file.hpp>
@@ -15,37 +20,72 @@ namespace {
   throw FileError(path, message);
 }
 
-std::uint64_t size_of(const std::filesystem::path& path) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) fail(path, "cannot be read: " + error.message() + "; check the path");
-  if (std::filesystem::is_directory(status)) fail(path, "is a folder; name a file in it");
-  if (!std::filesystem::is_regular_file(status)) fail(path, "is no regular file; copy its content to one");
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) fail(path, "cannot be read: " + error.message());
-  if (size == 0) fail(path, "is empty; copy or record it again");
-  return size;
+std::string reason(int error) { return std::generic_category().message(error); }
+
+/// [bytes] What the machine has, used or not.
+std::uint64_t physical_memory() {
+  return static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
+         static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+void grow(std::string& buffer, std::uint64_t size, const std::filesystem::path& path) {
+  try {
+    buffer.resize(buffer.size() + size);
+  } catch (const std::bad_alloc&) {
+    fail(path, "there is not enough memory for its " + std::to_string(size) + " bytes");
+  } catch (const std::length_error&) {
+    fail(path, "there is not enough memory for its " + std::to_string(size) + " bytes");
+  }
 }
 
 }  // namespace
 
-InputStream::InputStream(std::filesystem::path path) : path_(std::move(path)), size_(size_of(path_)) {
-  errno = 0;
-  stream_.open(path_, std::ios::binary);
-  if (!stream_) fail(path_, "cannot be opened: " + std::generic_category().message(errno));
+InputStream::InputStream(std::filesystem::path path) : path_(std::move(path)) {
+  try {
+    open();
+  } catch (...) {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    throw;
+  }
 }
 
-void InputStream::append_to(std::string& buffer, std::size_t size) {
+InputStream::~InputStream() { ::close(descriptor_); }
+
+/// Opens first and looks then, so that what is looked at is what will be read.
+void InputStream::open() {
+  do {
+    // Without waiting for a pipe's other end, since a pipe is refused anyway.
+    descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  } while (descriptor_ < 0 && errno == EINTR);
+  if (descriptor_ < 0 && errno == ENXIO)
+    fail(path_, "is no regular file; copy its content to one");  // a socket
+  if (descriptor_ < 0) fail(path_, "cannot be read: " + reason(errno) + "; check the path");
+  struct stat status {};
+  if (::fstat(descriptor_, &status) != 0) fail(path_, "cannot be read: " + reason(errno));
+  if (S_ISDIR(status.st_mode)) fail(path_, "is a folder; name a file in it");
+  if (!S_ISREG(status.st_mode)) fail(path_, "is no regular file; copy its content to one");
+  if (status.st_size == 0) fail(path_, "is empty; copy or record it again");
+  size_ = static_cast<std::uint64_t>(status.st_size);
+}
+
+void InputStream::append_to(std::string& buffer, std::uint64_t size) {
   const std::size_t before = buffer.size();
-  buffer.resize(before + size);
-  stream_.read(buffer.data() + before, static_cast<std::streamsize>(size));
-  if (stream_.bad()) fail(path_, "cannot be read: " + std::generic_category().message(errno));
-  if (static_cast<std::size_t>(stream_.gcount()) < size) fail(path_, "became shorter while it was read");
+  grow(buffer, size, path_);
+  for (std::uint64_t done = 0; done < size;) {
+    const ssize_t read = ::read(descriptor_, buffer.data() + before + done, size - done);
+    if (read < 0 && errno == EINTR) continue;
+    if (read < 0) fail(path_, "cannot be read: " + reason(errno));
+    if (read == 0) fail(path_, "became shorter while it was read");
+    done += static_cast<std::uint64_t>(read);
+  }
   position_ += size;
 }
 
 InputFile::InputFile(std::filesystem::path path) : path_(std::move(path)) {
   InputStream stream(path_);
+  if (stream.rest() > physical_memory() / 2) {
+    fail("has " + std::to_string(stream.rest()) + " bytes, more than half of this machine's memory");
+  }
   stream.append_to(bytes_, stream.rest());
 }
 

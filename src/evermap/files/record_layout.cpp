@@ -25,6 +25,12 @@ std::size_t size_of(Scalar type) {
   return kSizes[static_cast<std::size_t>(type)];
 }
 
+std::string_view name_of(Scalar type) {
+  constexpr std::array<std::string_view, 10> kNames = {"int8",   "uint8", "int16",  "uint16",  "int32",
+                                                       "uint32", "int64", "uint64", "float32", "float64"};
+  return kNames[static_cast<std::size_t>(type)];
+}
+
 double decode(const char* bytes, Scalar type, std::endian order) {
   switch (type) {
     case Scalar::kInt8:

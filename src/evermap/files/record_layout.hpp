@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace evermap {
@@ -24,6 +25,7 @@ enum class Scalar : std::uint8_t {
 };
 
 std::size_t size_of(Scalar type);  ///< [bytes]
+std::string_view name_of(Scalar type);
 inline bool is_floating(Scalar type) { return type == Scalar::kFloat32 || type == Scalar::kFloat64; }
 
 /// The value of the given type whose bytes stand at `bytes` in the given order; integers beyond 2^53 are

@@ -48,11 +48,14 @@ std::string plain(double number) {
 }
 
 std::string describe(const Limits& limits) {
+  const bool is_positive = limits.least == Limits::positive().least;
   if (limits.most >= Limits::any().most) {
     if (limits.least < 0) return "a number";
     return limits.least > 0 ? "a number above 0" : "a number of at least 0";
   }
-  return "a number from " + plain(limits.least) + " to " + plain(limits.most);
+  const std::string most = plain(limits.most);
+  return is_positive ? "a number above 0, up to " + most
+                     : "a number from " + plain(limits.least) + " to " + most;
 }
 
 /// Takes over the tree of one text.

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <string>
 
 #include <evermap/files/file_error.hpp>
+#include <evermap/io/bin.hpp>
 #include <evermap/io/cloud.hpp>
-#include <evermap/io/kitti_bin.hpp>
 #include <evermap/io/pcd.hpp>
 #include <evermap/io/ply.hpp>
 
@@ -15,10 +16,22 @@ namespace {
 
 struct Format {
   std::string_view extension;
-  Scan (*read)(const std::filesystem::path& path);
+  Scan (*read)(const std::filesystem::path& path, const CloudOptions& options, CloudNotes* notes);
 };
+
+Scan read_bin_cloud(const std::filesystem::path& path, const CloudOptions& options, CloudNotes* notes) {
+  return read_bin(path, options.bin_fields, notes);
+}
+Scan read_pcd_cloud(const std::filesystem::path& path, const CloudOptions& options, CloudNotes* notes) {
+  Scan scan = read_pcd(path, notes);
+  if (options.ignore_viewpoint) scan.T_map_sensor.reset();
+  return scan;
+}
+Scan read_ply_cloud(const std::filesystem::path& path, const CloudOptions&, CloudNotes* notes) {
+  return read_ply(path, notes);
+}
 constexpr std::array<Format, 3> kFormats = {
-    {{".bin", read_kitti_bin}, {".pcd", read_pcd}, {".ply", read_ply}}};
+    {{".bin", read_bin_cloud}, {".pcd", read_pcd_cloud}, {".ply", read_ply_cloud}}};
 
 const Format* format_of(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -38,12 +51,23 @@ std::optional<std::string_view> cloud_extension(const std::filesystem::path& pat
   return format->extension;
 }
 
-Scan read_cloud(const std::filesystem::path& path) {
+Scan read_cloud(const std::filesystem::path& path, const CloudOptions& options, CloudNotes* notes) {
   const Format* format = format_of(path);
   if (format == nullptr) {
     throw FileError(path, "is no known kind of point cloud; known are " + std::string(kCloudExtensions));
   }
-  return format->read(path);
+  return format->read(path, options, notes);
+}
+
+void check_coordinate_step(const std::filesystem::path& path, const CloudNotes& notes, double leaf) {
+  constexpr double kGreatestFraction = 0.1;  // of a leaf
+  if (notes.coordinate_step <= kGreatestFraction * leaf) return;
+  std::array<char, 200> text{};
+  std::snprintf(text.data(), text.size(),
+                "its float32 coordinates step by %.3g m at %.0f m from the origin, too coarse for leaves of "
+                "%.3g m; write them as float64, or less an offset",
+                notes.coordinate_step, notes.farthest_coordinate, leaf);
+  throw FileError(path, text.data());
 }
 
 }  // namespace evermap

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string_view>
 
+#include <evermap/io/cloud_notes.hpp>
 #include <evermap/scan/scan.hpp>
 
 namespace evermap {
@@ -13,11 +15,23 @@ namespace evermap {
 /// The extensions that read_cloud knows, for messages.
 inline constexpr std::string_view kCloudExtensions = ".bin (KITTI), .pcd and .ply";
 
+/// What a user knows of a file better than the file says.
+struct CloudOptions {
+  std::optional<std::size_t> bin_fields;  ///< float32 values a point in a .bin file, see read_bin
+  bool ignore_viewpoint = false;          ///< of a PCD file: the scan has no pose
+};
+
 /// The extension of `path` in lower case when read_cloud knows it, none otherwise. Does not look at the file.
 std::optional<std::string_view> cloud_extension(const std::filesystem::path& path);
 
-/// Reads a point cloud or scan; the format follows from the extension (.bin .pcd .ply, any case).
-/// Throws FileError when the file is missing, malformed or of another kind. Thread safe.
-Scan read_cloud(const std::filesystem::path& path);
+/// Reads a point cloud or scan; the format follows from the extension (.bin .pcd .ply, any case). Fills
+/// `notes`, when given, with what was taken for what. Throws FileError when the file is missing, malformed or
+/// of another kind. Thread safe.
+Scan read_cloud(const std::filesystem::path& path, const CloudOptions& options = {},
+                CloudNotes* notes = nullptr);
+
+/// Throws FileError when the coordinates of `path`, as its notes say, step by more than a tenth of a leaf's
+/// edge [m]: far from the origin (UTM coordinates, say) float32 is too coarse for a map.
+void check_coordinate_step(const std::filesystem::path& path, const CloudNotes& notes, double leaf);
 
 }  // namespace evermap

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <string>
 
 #include <evermap/io/lzf.hpp>
@@ -9,6 +10,12 @@
 
 namespace evermap {
 namespace {
+
+// How much memory compressed data may ask for: all that small files need, and for large ones far more than
+// the clouds of sensors, which seldom shrink to a fifth.
+constexpr std::uint64_t kMemoryOfPoint = sizeof(Eigen::Vector3d) + sizeof(double) + sizeof(float);  // [bytes]
+constexpr std::uint64_t kFreeMemory = std::uint64_t{256} << 20;                                     // [bytes]
+constexpr std::uint64_t kMostExpansion = 64;
 
 /// Two sizes [bytes], uint32 each, then the LZF stream of the columns.
 void add_compressed(ScanBuilder& builder, const InputFile& file, const PcdHeader& header,
@@ -31,6 +38,12 @@ void add_compressed(ScanBuilder& builder, const InputFile& file, const PcdHeader
                                       std::to_string(header.points) + " points of " + std::to_string(stride) +
                                       " bytes are another number; write the file again");
   }
+  const std::uint64_t memory = header.points * kMemoryOfPoint;
+  if (memory > std::max<std::uint64_t>(kFreeMemory, kMostExpansion * file.bytes().size())) {
+    file.fail_at_byte(offset + 4, "expands to " + std::to_string(header.points) +
+                                      " points, more than a file of " + std::to_string(file.bytes().size()) +
+                                      " bytes may; write it uncompressed (DATA binary)");
+  }
   if (size / kLzfMaxRatio > compressed_size) {
     file.fail_at_byte(offset + 4, "promises more data than " + std::to_string(compressed_size) +
                                       " compressed bytes can hold; write the file again");
@@ -45,7 +58,7 @@ void add_compressed(ScanBuilder& builder, const InputFile& file, const PcdHeader
 
 }  // namespace
 
-Scan read_pcd(const std::filesystem::path& path) {
+Scan read_pcd(const std::filesystem::path& path, CloudNotes* notes) {
   const InputFile file(path);
   TextLines lines(file);
   const PcdHeader header = read_pcd_header(file, lines);
@@ -62,8 +75,9 @@ Scan read_pcd(const std::filesystem::path& path) {
       add_compressed(builder, file, header, lines.offset());
       break;
   }
-  Scan scan = builder.finish();
+  Scan scan = builder.finish(notes);
   scan.T_map_sensor = header.T_map_sensor;
+  if (notes != nullptr) notes->has_viewpoint = header.T_map_sensor.has_value();
   return scan;
 }
 

@@ -134,9 +134,8 @@ RecordLayout layout_from(const Entries& entries) {
                               " is no type; known are I and U of 1, 2, 4, 8 bytes and F of 4, 8");
     }
     const std::optional<std::uint64_t> count = counts.line == 0 ? 1 : parse_count(counts.tokens[i]);
-    if (count.value_or(0) == 0) {
-      entries.fail(counts, in_quotes(counts.tokens[i]) + " is no number of values (1, 2, ...)");
-    }
+    if (!count) entries.fail(counts, in_quotes(counts.tokens[i]) + " is no number of values (0, 1, 2, ...)");
+    if (*count == 0) continue;  // a field that takes no place, as some writers leave behind
     if (!layout.append(std::string(names.tokens[i]), *type, *count)) {
       entries.fail(counts.line == 0 ? names : counts, "makes a point larger than any file; correct it");
     }

@@ -22,7 +22,7 @@ RecordLayout layout_of(const PlyElement& element, const InputFile& file) {
 
 }  // namespace
 
-Scan read_ply(const std::filesystem::path& path) {
+Scan read_ply(const std::filesystem::path& path, CloudNotes* notes) {
   const InputFile file(path);
   PlyReader ply(file);
   for (const PlyElement& element : ply.elements()) {
@@ -37,7 +37,7 @@ Scan read_ply(const std::filesystem::path& path) {
     } else {
       builder.add_records(ply.offset(), element.count, ply.order());
     }
-    return builder.finish();
+    return builder.finish(notes);
   }
   file.fail("has no vertex element; a point cloud needs one");
 }

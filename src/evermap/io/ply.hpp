@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include <evermap/io/cloud_notes.hpp>
 #include <evermap/io/point_table.hpp>
 #include <evermap/scan/scan.hpp>
 
@@ -12,7 +13,7 @@ namespace evermap {
 /// Reads the vertices of a PLY file: ascii (one element per line) or binary of either byte order, properties
 /// of any order and type, see ScanBuilder for those used. Other elements are skipped. Throws FileError when
 /// the file is damaged, has no vertices, or its vertices have a list.
-Scan read_ply(const std::filesystem::path& path);
+Scan read_ply(const std::filesystem::path& path, CloudNotes* notes = nullptr);
 
 /// Writes a binary little-endian PLY file, atomically. Throws FileError when it cannot be written,
 /// std::invalid_argument when the table is malformed.

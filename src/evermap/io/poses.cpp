@@ -37,6 +37,13 @@ StampedPose kitti_pose(const std::vector<double>& row, const TextLines& lines) {
   return {std::nullopt, {nearest_rotation(rotation), matrix.col(3)}};
 }
 
+bool is_plausible(const StampedPose& pose) {
+  constexpr double kFarthest = 1e8;  // [m] beyond what any frame of the earth needs, and where doubles fade
+  constexpr double kLatest = 1e19;   // nanoseconds of three centuries
+  return pose.T_map_sensor.translation.cwiseAbs().maxCoeff() <= kFarthest &&
+         std::abs(pose.time.value_or(0)) <= kLatest;
+}
+
 }  // namespace
 
 std::vector<StampedPose> read_poses(const std::filesystem::path& path) {
@@ -59,6 +66,9 @@ std::vector<StampedPose> read_poses(const std::filesystem::path& path) {
       lines.fail("holds a number that is not finite; remove the line and its scan");
     }
     poses.push_back(columns == kTumColumns ? tum_pose(row, lines) : kitti_pose(row, lines));
+    if (!is_plausible(poses.back())) {
+      lines.fail("holds a time or a place that no drive reaches (1e8 m from the origin); correct the line");
+    }
     if (poses.size() > 1 && poses.back().time && *poses.back().time <= *poses[poses.size() - 2].time) {
       lines.fail("the time is not later than that of the pose before; sort the poses, remove doubles");
     }
@@ -69,12 +79,15 @@ std::vector<StampedPose> read_poses(const std::filesystem::path& path) {
 
 void write_tum_poses(const std::filesystem::path& path, const std::vector<StampedPose>& poses) {
   AtomicFile file(path);
-  std::array<char, 256> line{};
+  // The longest number that %.6f prints has 317 characters, %.12g 19.
+  std::array<char, 512> line{};
   for (const StampedPose& pose : poses) {
     const Eigen::Vector3d& t = pose.T_map_sensor.translation;
     const Eigen::Quaterniond q(pose.T_map_sensor.rotation);
     const int size = std::snprintf(line.data(), line.size(), "%.6f %.9g %.9g %.9g %.12g %.12g %.12g %.12g\n",
                                    pose.time.value(), t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+    const bool is_whole = size > 0 && static_cast<std::size_t>(size) < line.size();
+    if (!is_whole) throw FileError(path, "a pose cannot be written as a line");
     file.write(line.data(), static_cast<std::size_t>(size));
   }
   file.commit();

@@ -11,8 +11,13 @@ namespace evermap {
 namespace {
 
 constexpr std::array<std::string_view, 3> kAxisNames = {"x", "y", "z"};
-constexpr std::array<std::string_view, 4> kTimeNames = {"t", "time", "timestamp", "offset_time"};
-constexpr double kSecondsPerNanosecond = 1e-9;
+
+std::string in_lower_case(std::string text) {
+  for (char& c : text) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return text;
+}
 
 }  // namespace
 
@@ -26,23 +31,26 @@ ScanBuilder::ScanBuilder(const InputFile& file, const RecordLayout& layout) : fi
   }
   for (const std::string_view name : kTimeNames) {
     const Field* field = find(name);
-    if (field == nullptr) continue;
+    if (field == nullptr || field->name == "T") continue;  // which may be a temperature
     time_ = *field;
-    seconds_per_tick_ = is_floating(field->type) ? 1.0 : kSecondsPerNanosecond;
     break;
   }
 }
 
+/// A name in lower case means the same in upper case, unless the file has both.
 const Field* ScanBuilder::find(std::string_view name) const {
-  const Field* found = nullptr;
-  for (const Field& field : layout_.fields()) {
-    if (field.name != name) continue;
-    if (found != nullptr || field.count != 1) {
-      file_.fail("has more than one value named " + std::string(name) + " per point; rename all but one");
+  for (const bool as_written : {true, false}) {
+    const Field* found = nullptr;
+    for (const Field& field : layout_.fields()) {
+      if ((as_written ? field.name : in_lower_case(field.name)) != name) continue;
+      if (found != nullptr || field.count != 1) {
+        file_.fail("has more than one value named " + std::string(name) + " per point; rename all but one");
+      }
+      found = &field;
     }
-    found = &field;
+    if (found != nullptr) return found;
   }
-  return found;
+  return nullptr;
 }
 
 void ScanBuilder::add_records(std::size_t offset, std::uint64_t points, std::endian order) {
@@ -89,6 +97,7 @@ void ScanBuilder::add_lines(TextLines& lines, std::uint64_t points) {
                " points, the rest of the file has room for " + std::to_string(possible) +
                " at most; copy the file again or correct the number of points");
   }
+  is_text_ = true;
   scan_.p_sensor.reserve(points);
   std::vector<double> values;
   for (std::uint64_t i = 0; i < points; ++i) {
@@ -113,15 +122,31 @@ void ScanBuilder::add(const Eigen::Vector3d& p_sensor, double time) {
     ++scan_.dropped_at_origin;
   } else {
     scan_.p_sensor.push_back(p_sensor);
-    if (time_) times_.push_back(time * seconds_per_tick_);
+    farthest_coordinate_ = std::max(farthest_coordinate_, p_sensor.cwiseAbs().maxCoeff());
+    if (time_) times_.push_back(time);
   }
 }
 
-Scan ScanBuilder::finish() {
-  if (!times_.empty()) {
-    const double first = *std::min_element(times_.begin(), times_.end());
-    scan_.time_offset.reserve(times_.size());
-    for (const double time : times_) scan_.time_offset.push_back(static_cast<float>(time - first));
+PointTime ScanBuilder::finish_times() {
+  const auto [first, last] = std::minmax_element(times_.begin(), times_.end());
+  const double unit = seconds_per_tick(time_->type, *last - *first);
+  scan_.time_offset.reserve(times_.size());
+  for (const double time : times_)
+    scan_.time_offset.push_back(static_cast<float>(time * unit - *first * unit));
+  return {time_->name, time_->type, unit, (*last - *first) * unit};
+}
+
+Scan ScanBuilder::finish(CloudNotes* notes) {
+  std::optional<PointTime> time;
+  if (!times_.empty()) time = finish_times();
+  if (notes != nullptr) {
+    notes->time = std::move(time);
+    notes->farthest_coordinate = farthest_coordinate_;
+    const bool is_float32 =
+        !is_text_ && std::any_of(position_.begin(), position_.end(),
+                                 [](const Field& field) { return field.type == Scalar::kFloat32; });
+    const auto farthest = static_cast<float>(farthest_coordinate_);
+    notes->coordinate_step = is_float32 ? std::nextafter(farthest, INFINITY) - farthest : 0;
   }
   return std::move(scan_);
 }

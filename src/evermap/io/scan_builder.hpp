@@ -12,16 +12,16 @@
 #include <evermap/files/input_file.hpp>
 #include <evermap/files/record_layout.hpp>
 #include <evermap/files/text_lines.hpp>
+#include <evermap/io/cloud_notes.hpp>
 #include <evermap/scan/scan.hpp>
 
 namespace evermap {
 
 /// Makes a Scan from the points of a file, whichever way they stand in it: what every reader shares.
 ///
-/// Takes fields x, y, z [m] and the first of t, time, timestamp, offset_time: nanoseconds when it is of an
-/// integer type (as of Ouster and Livox), seconds when floating (Velodyne, Hesai). Points with a coordinate
-/// or time that is not finite, and points of zero range, are dropped and counted. Keeps a reference to the
-/// file. Not thread safe.
+/// Takes fields x, y, z [m] and the first of kTimeNames, in lower or upper case; see seconds_per_tick for the
+/// unit of times. Points with a coordinate or time that is not finite, and points of zero range, are dropped
+/// and counted. Keeps a reference to the file. Not thread safe.
 class ScanBuilder {
  public:
   /// Throws FileError when x, y or z is missing or ambiguous.
@@ -39,8 +39,8 @@ class ScanBuilder {
   /// values and when there are too few lines.
   void add_lines(TextLines& lines, std::uint64_t points);
 
-  /// The scan, with times counted from the earliest point. Call once, last.
-  Scan finish();
+  /// The scan, with times counted from the earliest point; fills `notes`, when given. Call once, last.
+  Scan finish(CloudNotes* notes = nullptr);
 
  private:
   enum Role : std::size_t { kX, kY, kZ, kTime };
@@ -54,13 +54,16 @@ class ScanBuilder {
   const Field* find(std::string_view name) const;
   void add_decoded(const std::array<Column, 4>& columns, std::size_t points, std::endian order);
   void add(const Eigen::Vector3d& p_sensor, double time);
+  /// Makes the scan's times of `times_`. REQUIRES: there are some.
+  PointTime finish_times();
 
   const InputFile& file_;
   const RecordLayout& layout_;
   std::array<Field, 3> position_;
   std::optional<Field> time_;
-  double seconds_per_tick_ = 1.0;
-  std::vector<double> times_;  ///< [s] of each point, counted from any moment
+  std::vector<double> times_;       ///< [ticks] of each point, counted from any moment
+  bool is_text_ = false;            ///< numbers are as precise as they are written
+  double farthest_coordinate_ = 0;  ///< [m]
   Scan scan_;
 };
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include <evermap/files/file_error.hpp>
@@ -10,6 +11,69 @@
 
 namespace evermap {
 namespace {
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Cuts the digits off the front of `text`, without leading zeros.
+std::string_view take_number(std::string_view& text) {
+  const auto end = std::find_if_not(text.begin(), text.end(), is_digit);
+  std::string_view number = text.substr(0, static_cast<std::size_t>(end - text.begin()));
+  text.remove_prefix(number.size());
+  number.remove_prefix(std::min(number.find_first_not_of('0'), number.size()));
+  return number;
+}
+
+/// Whether a name comes before another one as a person counts: a run of digits is a number.
+bool counts_before(std::string_view a, std::string_view b) {
+  const std::string_view a_whole = a;
+  const std::string_view b_whole = b;
+  while (!a.empty() && !b.empty()) {
+    if (is_digit(a.front()) && is_digit(b.front())) {
+      const std::string_view number_a = take_number(a);
+      const std::string_view number_b = take_number(b);
+      if (number_a.size() != number_b.size()) return number_a.size() < number_b.size();
+      if (number_a != number_b) return number_a < number_b;
+    } else {
+      if (a.front() != b.front()) return a.front() < b.front();
+      a.remove_prefix(1);
+      b.remove_prefix(1);
+    }
+  }
+  if (a.empty() != b.empty()) return a.empty();
+  return a_whole < b_whole;  // 1 and 01
+}
+
+/// Whether a name is a number with a fraction: a time, as 1305031102.175.
+bool is_time(const std::filesystem::path& file) {
+  const std::string stem = file.stem().string();
+  const std::string_view rest = stem;
+  const std::size_t dot = rest.find('.');
+  return dot != std::string_view::npos && dot > 0 && dot + 1 < rest.size() &&
+         std::all_of(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(dot), is_digit) &&
+         std::all_of(rest.begin() + static_cast<std::ptrdiff_t>(dot) + 1, rest.end(), is_digit);
+}
+
+/// Fractions are compared as such: .25 comes before .5.
+bool times_before(const std::filesystem::path& a, const std::filesystem::path& b) {
+  const std::string a_name = a.stem().string();
+  const std::string b_name = b.stem().string();
+  std::string_view a_rest = a_name;
+  std::string_view b_rest = b_name;
+  const std::string_view a_whole = take_number(a_rest);
+  const std::string_view b_whole = take_number(b_rest);
+  if (a_whole.size() != b_whole.size()) return a_whole.size() < b_whole.size();
+  return a_whole != b_whole ? a_whole < b_whole : a_rest < b_rest;
+}
+
+void sort_by_name(std::vector<std::filesystem::path>& files) {
+  if (std::all_of(files.begin(), files.end(), is_time)) {
+    std::sort(files.begin(), files.end(), times_before);
+  } else {
+    std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) {
+      return counts_before(a.filename().string(), b.filename().string());
+    });
+  }
+}
 
 /// The clouds of a folder in the order of their names. Hidden files are none: archivers and file servers
 /// leave them beside the real ones under the same extension.
@@ -26,13 +90,13 @@ std::vector<std::filesystem::path> clouds_in(const std::filesystem::path& folder
     }
   }
   if (error) throw FileError(folder, "cannot be listed: " + error.message());
-  std::sort(files.begin(), files.end());
+  sort_by_name(files);
   return files;
 }
 
 }  // namespace
 
-ScanSource::ScanSource(const std::filesystem::path& path) {
+ScanSource::ScanSource(const std::filesystem::path& path, const CloudOptions& options) : options_(options) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) {
@@ -51,7 +115,8 @@ ScanSource::ScanSource(const std::filesystem::path& path) {
 
 std::optional<Scan> ScanSource::next() {
   if (position_ == files_.size()) return std::nullopt;
-  return read_cloud(files_[position_++]);
+  notes_ = {};
+  return read_cloud(files_[position_++], options_, &notes_);
 }
 
 }  // namespace evermap

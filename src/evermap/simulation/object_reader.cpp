@@ -15,9 +15,13 @@ namespace evermap {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kSink = 0.4;          ///< [m] that a box is let into the ground, for slopes
-constexpr double kWallSink = 1.5;      ///< [m] the same for a wall, which is longer
-constexpr std::size_t kMaxCount = 60;  ///< boxes of a body, see ScenarioDrive
+constexpr double kSink = 0.4;           ///< [m] that a box is let into the ground, for slopes
+constexpr double kWallSink = 1.5;       ///< [m] the same for a wall, which is longer
+constexpr std::size_t kMaxCount = 60;   ///< boxes of a body, see ScenarioDrive
+constexpr double kMaxPileRadius = 100;  ///< [m] of a pile's foot
+
+/// [m] The edges and heights of things.
+Limits sizes() { return {1e-6, 1000}; }
 
 Place read_place(const YamlValue& value) {
   const std::vector<double> numbers = value.numbers(2, 3, Limits::any());
@@ -44,7 +48,7 @@ Body upright_box(const Eigen::Vector3d& size, double sink) {
 
 BodyBox read_part(const YamlValue& value) {
   const YamlMap map = value.map();
-  BodyBox part{map.get("size").vector3(Limits::positive()), {}};
+  BodyBox part{map.get("size").vector3(sizes()), {}};
   const double yaw = map.number("yaw", Limits::any(), 0) * kDegree;
   const double pitch = map.number("pitch", {-90, 90}, 0) * kDegree;  // nose up
   part.T_body_box.rotation =
@@ -101,7 +105,7 @@ Route read_route(const YamlValue& value) {
 
 HeapShape read_heap(const YamlValue& value) {
   const YamlMap map = value.map();
-  HeapShape heap{map.number("radius", Limits::positive()), read_schedule(map.get("height"))};
+  HeapShape heap{map.number("radius", sizes()), read_schedule(map.get("height"))};
   map.refuse_unknown();
   return heap;
 }
@@ -112,13 +116,16 @@ PileShape read_pile(const YamlValue& value) {
   PileShape pile{map.number("repose", kRepose, 35) * kDegree,
                  map.number("roughness", Limits::not_negative(), 0.05), read_schedule(map.get("height"))};
   map.refuse_unknown();
+  if (pile.height.most() / std::tan(pile.repose) > kMaxPileRadius) {
+    value.fail("a pile of this height and repose is wider than 200 m");
+  }
   return pile;
 }
 
 Body read_post(const YamlValue& value) {
   const YamlMap map = value.map();
-  const double width = map.number("width", Limits::positive(), 0.2);
-  const double height = map.number("height", Limits::positive());
+  const double width = map.number("width", sizes(), 0.2);
+  const double height = map.number("height", sizes());
   map.refuse_unknown();
   return upright_box({width, width, height}, kSink);
 }
@@ -132,8 +139,8 @@ Wall read_wall(const YamlValue& value) {
   const YamlMap map = value.map();
   const Eigen::Vector2d from = map.get("from").vector2(Limits::any());
   const Eigen::Vector2d to = map.get("to").vector2(Limits::any());
-  const double height = map.number("height", Limits::positive());
-  const double thickness = map.number("thickness", Limits::positive(), 0.3);
+  const double height = map.number("height", sizes());
+  const double thickness = map.number("thickness", sizes(), 0.3);
   const double sink = map.number("sink", Limits::not_negative(), kWallSink);
   map.refuse_unknown();
   const Eigen::Vector2d line = to - from;
@@ -167,10 +174,20 @@ std::vector<std::optional<Place>> read_places(const YamlMap& map) {
   std::vector<std::optional<Place>> places;
   for (const YamlValue& item : value->list()) places.emplace_back(read_place(item));
   if (places.empty()) value->fail("places needs at least one place");
+  if (places.size() > ObjectReader::kMostObjects) value->fail("there are more than 1000 objects");
   return places;
 }
 
 }  // namespace
+
+std::size_t mesh_triangles(const ScenarioObject& object) {
+  std::size_t triangles = 0;
+  for (const auto* state : {&object.survey, &object.run}) {
+    const auto* mesh = *state ? std::get_if<TriangleMesh>(&(*state)->shape) : nullptr;
+    if (mesh != nullptr) triangles += mesh->triangles.size();
+  }
+  return triangles;
+}
 
 Bodies read_bodies(const YamlValue& value) {
   Bodies bodies;
@@ -205,7 +222,7 @@ TriangleMesh ObjectReader::read_mesh_of(const YamlValue& value) const {
 Shape ObjectReader::read_shape(const YamlMap& map) const {
   if (const auto value = map.find("box")) {
     const double sink = map.number("sink", Limits::not_negative(), map.find("lift") ? 0 : kSink);
-    return upright_box(value->vector3(Limits::positive()), sink);
+    return upright_box(value->vector3(sizes()), sink);
   }
   if (const auto value = map.find("post")) return read_post(*value);
   if (const auto value = map.find("body")) return read_body(*value);
@@ -273,6 +290,9 @@ std::vector<ScenarioObject> ObjectReader::read(const YamlValue& value) const {
   const ScenarioObject object = read_object(map);
   const auto places = read_places(map);
   map.refuse_unknown();
+  if (places.size() * mesh_triangles(object) > kMostTriangles) {
+    value.fail("its meshes have more than 4 million triangles");
+  }
   std::vector<ScenarioObject> objects;
   for (const std::optional<Place>& place : places) {
     objects.push_back(object);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -22,9 +23,16 @@ Bodies read_bodies(const YamlValue& value);
 /// Where a robot or an object is: the keys `at` and `route`.
 Whereabouts read_whereabouts(const YamlMap& map);
 
+/// The triangles of an object's meshes, in the run and in the survey.
+std::size_t mesh_triangles(const ScenarioObject& object);
+
 /// Reads the entries of `objects`. One that stands at several places becomes as many objects.
 class ObjectReader {
  public:
+  // What a scenario may ask for, see docs/scenarios.md.
+  static constexpr std::size_t kMostObjects = 1000;
+  static constexpr std::size_t kMostTriangles = 4'000'000;  ///< of all meshes
+
   /// Mesh files are looked for in `folder`.
   ObjectReader(Bodies bodies, std::filesystem::path folder)
       : bodies_(std::move(bodies)), folder_(std::move(folder)) {}

@@ -16,6 +16,12 @@ double Schedule::at(double time) const {
   return std::lerp(before->second, after->second, (time - before->first) / (after->first - before->first));
 }
 
+double Schedule::most() const {
+  double most = points_.front().second;
+  for (const auto& [time, value] : points_) most = std::max(most, value);
+  return most;
+}
+
 bool ObjectState::changes() const {
   if (where.route) return true;
   const auto varies = [](const auto& of) {

@@ -34,6 +34,7 @@ class Schedule {
   explicit Schedule(std::vector<std::pair<double, double>> points) : points_(std::move(points)) {}
 
   double at(double time) const;
+  double most() const;
   bool is_constant() const { return points_.size() == 1; }
 
  private:

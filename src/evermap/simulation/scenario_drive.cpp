@@ -182,14 +182,29 @@ std::vector<Eigen::Vector3d> ScenarioDrive::in_map(std::size_t index, const Scan
   return p_map;
 }
 
+std::vector<SurfaceSample> ScenarioDrive::samples_of(const Scene& scene, double spacing) const {
+  constexpr double kMostSamples = 3e7;  // 1 GB
+  double area = 0;
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    area += scene.triangle(i).scaled_normal().norm() / 2;
+  }
+  const double samples = area / (spacing * spacing);
+  if (!(samples <= kMostSamples)) {
+    throw FileError(scenario_.source,
+                    "its surfaces would take more than 30 million points at this spacing; "
+                    "make the world smaller or flatter, or the spacing wider");
+  }
+  return sample_surface(scene, spacing);
+}
+
 std::vector<Eigen::Vector3d> ScenarioDrive::survey(double spacing) const {
   std::vector<Eigen::Vector3d> points;
-  for (const SurfaceSample& sample : sample_surface(survey_scene(), spacing)) points.push_back(sample.p_map);
+  for (const SurfaceSample& sample : samples_of(survey_scene(), spacing)) points.push_back(sample.p_map);
   return points;
 }
 
 std::vector<SurfaceSample> ScenarioDrive::truth(std::size_t index, double spacing) const {
-  std::vector<SurfaceSample> samples = sample_surface(scene(index), spacing);
+  std::vector<SurfaceSample> samples = samples_of(scene(index), spacing);
   for (SurfaceSample& sample : samples) sample.object = object_of(sample.object);
   return samples;
 }

@@ -50,6 +50,7 @@ class ScenarioDrive {
   std::vector<Eigen::Vector3d> in_map(std::size_t index, const Scan& scan) const;
 
   /// The surface when the survey was made, as points `spacing` [m] apart: what the first map is made of.
+  /// Throws FileError when these, or those of truth(), would be more than 30 million.
   std::vector<Eigen::Vector3d> survey(double spacing) const;
   /// The whole true surface at a scan, with ids of objects.
   std::vector<SurfaceSample> truth(std::size_t index, double spacing) const;
@@ -66,6 +67,7 @@ class ScenarioDrive {
 
  private:
   void check_sensor_is_free() const;
+  std::vector<SurfaceSample> samples_of(const Scene& scene, double spacing) const;
   /// The sensor's pose that belongs to what it measured `offset` [s] after the begin of a scan.
   Pose pose_in_scan(std::size_t index, double offset) const;
   double reflectivity_of(int object) const;

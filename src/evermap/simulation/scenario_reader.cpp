@@ -148,8 +148,14 @@ void read_objects(const YamlMap& map, const std::filesystem::path& folder, Scena
   std::map<std::string, int> lines;
   const auto list = map.find("objects");
   if (!list) return;
+  std::size_t triangles = 0;
   for (const YamlValue& item : list->list()) {
     for (ScenarioObject& object : reader.read(item)) {
+      triangles += mesh_triangles(object);
+      if (triangles > ObjectReader::kMostTriangles)
+        item.fail("the meshes up to here have more than 4 million triangles");
+      if (scenario.objects.size() == ObjectReader::kMostObjects)
+        item.fail("there are more than 1000 objects");
       const auto [first, is_new] = lines.emplace(object.name, object.line);
       if (!is_new)
         item.fail("there is an object " + object.name + " already, at line " + std::to_string(first->second));
