@@ -122,7 +122,7 @@ TEST_F(CloudTest, AViewpointIsNotedAndCanBeIgnored) {
   pcd.replace(pcd.find("0 0 0 1 0 0 0"), 13, "5 0 0 1 0 0 0");
   EXPECT_TRUE(read_cloud(make("a.pcd", pcd), {}, &notes).T_map_sensor);
   EXPECT_TRUE(notes.has_viewpoint);
-  EXPECT_FALSE(read_cloud(path("a.pcd"), {.ignore_viewpoint = true}, &notes).T_map_sensor);
+  EXPECT_FALSE(read_cloud(path("a.pcd"), {.bin_fields = {}, .ignore_viewpoint = true}, &notes).T_map_sensor);
   EXPECT_TRUE(notes.has_viewpoint);
 }
 
