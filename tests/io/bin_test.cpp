@@ -83,7 +83,7 @@ std::vector<float> lidar_values(std::size_t points, std::size_t fields, unsigned
 TEST_F(BinTest, TheDataTellsHowManyValuesAPointHas) {
   for (const std::size_t fields : {3U, 4U, 5U, 6U}) {
     // Numbers of points that any of the layouts divides.
-    for (const std::size_t points : {120U, 6000U}) {
+    for (const std::size_t points : {180U, 6000U}) {
       const std::vector<float> values = lidar_values(points, fields);
       CloudNotes notes;
       const Scan scan = read_bin(make("a.bin", bytes_of(values)), std::nullopt, &notes);
