@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 #include <Eigen/Core>
@@ -19,10 +20,15 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 struct NormalEquations {
   Matrix6 hessian = Matrix6::Zero();  ///< sum of w J' N J
   Twist gradient = Twist::Zero();     ///< sum of w J' N e
+  Matrix6 feigned = Matrix6::Zero();  ///< share of the Hessian that is due to noise of the normals, expected
   std::size_t matched = 0;            ///< bundles with a leaf
   std::size_t inliers = 0;            ///< of these, within the 95 % ellipsoid
   double inlier_error = 0;            ///< sum of their squared Mahalanobis distances
 
+  /// Variance of a residual in units of what its covariance says, at least 1.
+  double noise() const {
+    return std::max(1.0, inlier_error / std::max(1.0, static_cast<double>(inliers)));
+  }
   NormalEquations& operator+=(const NormalEquations& other);
 };
 
@@ -41,6 +47,7 @@ struct Factor {
   Correspondence match;
   Eigen::Vector3d normal;  ///< M's stiffest axis, the better the stiffer it is
   double stiffness;        ///< lambda_3 - lambda_2 of M's eigenvalues [1/m^2]
+  Eigen::Matrix<double, 3, 2> tilts;  ///< standard deviations of the normal, each along its axis in the plane
   double trust;            ///< sqrt(n_R) times the leaf's occupancy
 
   /// Adds what this factor says when the bundle's mean is `mean_map` [m]; `from_sensor` [m] leads there from

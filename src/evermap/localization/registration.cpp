@@ -68,8 +68,8 @@ std::vector<Gaussian> thinned(const std::vector<Gaussian>& bundles, std::size_t 
 }
 
 /// Moves the pose by one Gauss-Newton step, and returns it.
-Twist move(Registration& at, const NormalEquations& equations, double damping) {
-  Twist step = solve(equations, damping);
+Twist move(Registration& at, const NormalEquations& equations, const Directions& directions, double damping) {
+  const Twist step = solve(equations, directions, damping);
   at.T_map_sensor = perturb(at.T_map_sensor, step);
   ++at.iterations;
   return step;
@@ -77,7 +77,7 @@ Twist move(Registration& at, const NormalEquations& equations, double damping) {
 
 /// Matches and moves until the pose rests under the narrow kernel; false when it does not.
 bool search(Registration& at, const Octree& map, const std::vector<Gaussian>& bundles_sensor,
-            const RegistrationParameters& parameters) {
+            const Directions& directions, const RegistrationParameters& parameters) {
   RobustKernel kernel{parameters.first_kernel_width};
   Factors factors;
   Pose T_map_matched;
@@ -88,7 +88,7 @@ bool search(Registration& at, const Octree& map, const std::vector<Gaussian>& bu
       factors = match(map, bundles_sensor, T_map_matched);
     }
     const NormalEquations equations = linearize(factors, bundles_sensor, at.T_map_sensor, kernel);
-    const Twist step = move(at, equations, parameters.damping);
+    const Twist step = move(at, equations, directions, parameters.damping);
     settled = kernel.width == parameters.last_kernel_width && parameters.termination.is_settled(step);
     kernel.width = std::max(kernel.width / 2, parameters.last_kernel_width);
   }
@@ -97,6 +97,7 @@ bool search(Registration& at, const Octree& map, const std::vector<Gaussian>& bu
 
 /// Moves by the last millimetres. Returns the equations of the last step.
 NormalEquations refine(Registration& at, const Octree& map, const std::vector<Gaussian>& bundles_sensor,
+                       const Directions& directions,
                        const RegistrationParameters& parameters) {
   constexpr int kSteps = 2;  // weighed anew in each; a third gains 3 %
   const RobustKernel kernel{parameters.last_kernel_width};
@@ -104,23 +105,18 @@ NormalEquations refine(Registration& at, const Octree& map, const std::vector<Ga
   NormalEquations equations;
   for (int i = 0; i < kSteps; ++i) {
     equations = linearize(factors, bundles_sensor, at.T_map_sensor, kernel);
-    move(at, equations, parameters.damping);
+    move(at, equations, directions, parameters.damping);
   }
   return equations;
 }
 
-double root_mean_square_range(const std::vector<Gaussian>& bundles_sensor) {
-  double sum = 0;
-  for (const Gaussian& bundle : bundles_sensor) sum += bundle.mean.squaredNorm();
-  return std::sqrt(sum / static_cast<double>(bundles_sensor.size()));
-}
-
-RegistrationOutcome judge(const Registration& registration, std::size_t matched, bool settled,
+RejectReason judge(const Registration& registration, std::size_t matched, bool settled,
                           const RegistrationParameters& parameters) {
-  if (matched < parameters.least_matches) return RegistrationOutcome::kTooFewMatches;
-  if (registration.inlier_share < parameters.least_inlier_share) return RegistrationOutcome::kTooFewInliers;
-  if (registration.weakest.share < parameters.least_observability) return RegistrationOutcome::kUnobservable;
-  return settled ? RegistrationOutcome::kConverged : RegistrationOutcome::kIterationLimit;
+  if (matched < parameters.least_matches) return RejectReason::kTooFewMatches;
+  if (registration.inlier_fraction < parameters.least_inlier_fraction) return RejectReason::kTooFewInliers;
+  if (!settled) return RejectReason::kNoConvergence;
+  return registration.observability.is_complete() ? RejectReason::kNone
+                                                  : RejectReason::kUnobservable;
 }
 
 }  // namespace
@@ -140,46 +136,48 @@ Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bu
   Registration result;
   result.T_map_sensor = T_map_sensor_guess;
   if (bundles_sensor.size() < parameters.least_matches) return result;
-  const bool settled = search(result, map, thinned(bundles_sensor, parameters.first_bundles), parameters);
-  const NormalEquations equations = refine(result, map, bundles_sensor, parameters);
-  result.weakest = observability(equations.hessian, root_mean_square_range(bundles_sensor));
-  result.inlier_share = static_cast<double>(equations.inliers) / static_cast<double>(bundles_sensor.size());
+  const std::vector<Gaussian> first = thinned(bundles_sensor, parameters.first_bundles);
+  Directions directions = Matrix6::Identity();
+  bool settled = search(result, map, first, directions, parameters);
+  NormalEquations equations = refine(result, map, bundles_sensor, directions, parameters);
+  result.observability = observability(equations, parameters.accuracy);
+  if (!result.observability.is_complete()) {  // again, in the others; in these the guess is all that is known
+    directions = result.observability.directions.rightCols(6 - result.observability.unobservable);
+    result.T_map_sensor = T_map_sensor_guess;
+    result.iterations = 0;
+    settled = search(result, map, first, directions, parameters);
+    equations = refine(result, map, bundles_sensor, directions, parameters);
+  }
+  const double matched = std::max(1.0, static_cast<double>(equations.matched));
+  result.inlier_fraction = static_cast<double>(equations.inliers) / matched;
+  result.matched_fraction = matched / static_cast<double>(bundles_sensor.size());
   result.residual = equations.inlier_error / std::max(1.0, static_cast<double>(equations.inliers));
-  result.outcome = judge(result, equations.matched, settled, parameters);
-  if (result.converged()) result.covariance = equations.hessian.inverse() * result.residual;
+  result.reject_reason = judge(result, equations.matched, settled, parameters);
   return result;
+}
+
+CoarseToFine::CoarseToFine(const Octree& map, const Scan& scan, const Eigen::Vector3d& center_map,
+                           const LidarParameters& lidar, const RegistrationParameters& parameters)
+    : map_(map), parameters_(parameters), views_(coarse_views(map, center_map)) {
+  fine_ = bundles_in_sensor_frame(scan, map.grid().edge, lidar);
+  for (const Octree& view : views_) {
+    coarse_.push_back(bundles_in_sensor_frame(scan, view.grid().edge, lidar, parameters.first_bundles));
+  }
+}
+
+Registration CoarseToFine::from(const Pose& T_map_sensor_guess, double coarsest) const {
+  Pose T_map_sensor = T_map_sensor_guess;
+  for (std::size_t i = views_.size(); i-- > 0;) {
+    if (views_[i].grid().edge > coarsest) continue;
+    T_map_sensor = register_bundles(views_[i], coarse_[i], T_map_sensor, parameters_).T_map_sensor;
+  }
+  return register_bundles(map_, fine_, T_map_sensor, parameters_);
 }
 
 Registration register_coarse_to_fine(const Octree& map, const Scan& scan, const Pose& T_map_sensor_guess,
                                      const LidarParameters& lidar, const RegistrationParameters& parameters) {
-  Pose T_map_sensor = T_map_sensor_guess;
-  const std::vector<Octree> views = coarse_views(map, T_map_sensor.translation);
-  for (auto view = views.rbegin(); view != views.rend(); ++view) {
-    const auto bundles = bundles_in_sensor_frame(scan, view->grid().edge, lidar, parameters.first_bundles);
-    T_map_sensor = register_bundles(*view, bundles, T_map_sensor, parameters).T_map_sensor;
-  }
-  const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, lidar);
-  return register_bundles(map, bundles, T_map_sensor, parameters);
-}
-
-std::string to_string(const Registration& registration) {
-  switch (registration.outcome) {
-    case RegistrationOutcome::kConverged:
-      return "converged";
-    case RegistrationOutcome::kTooFewBundles:
-      return "too few points";
-    case RegistrationOutcome::kTooFewMatches:
-      return "off the map";
-    case RegistrationOutcome::kTooFewInliers:
-      return "does not fit the map";
-    case RegistrationOutcome::kUnobservable:
-      return "unobservable: " + to_string(registration.weakest);
-    case RegistrationOutcome::kAmbiguous:
-      return "fits as well in another place";
-    case RegistrationOutcome::kIterationLimit:
-      break;
-  }
-  return "does not come to rest";
+  const CoarseToFine registration(map, scan, T_map_sensor_guess.translation, lidar, parameters);
+  return registration.from(T_map_sensor_guess);
 }
 
 }  // namespace evermap
