@@ -97,8 +97,7 @@ std::vector<std::optional<Correspondence>> correspond(const Octree& map,
     const double mahalanobis_squared = residual.dot(information * residual);
     if (best && best->mahalanobis_squared <= mahalanobis_squared) continue;
     const double occupancy = 1 / (1 + std::exp(-static_cast<double>(leaf->log_odds)));
-    const Correspondence match{mean_leaf, information,         leaf->covariance_matrix(),
-                               static_cast<double>(leaf->count), mahalanobis_squared, occupancy};
+    const Correspondence match{mean_leaf, information, leaf->covariance_matrix(), mahalanobis_squared, occupancy};
     const Factor factor = make_factor(match, bundle.count);
     if (is_hidden(finder, map.grid(), *leaf, mean_leaf, factor.normal, T_map_sensor.translation)) continue;
     best = match;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -12,7 +13,6 @@ namespace evermap {
 
 NormalEquations& NormalEquations::operator+=(const NormalEquations& other) {
   hessian += other.hessian;
-  feigned += other.feigned;
   gradient += other.gradient;
   matched += other.matched;
   inliers += other.inliers;
@@ -32,14 +32,39 @@ void Factor::add_to(NormalEquations& equations, const Eigen::Vector3d& mean_map,
   const Twist weighted = trust * kernel.weight(mahalanobis_squared) * stiffness * row;
   equations.hessian += weighted * row.transpose();
   equations.gradient += normal.dot(residual) * weighted;
-  for (int i = 0; i < 2; ++i) {
-    const Twist tilted = jacobian(tilts.col(i), from_sensor);
-    equations.feigned += trust * kernel.weight(mahalanobis_squared) * stiffness * tilted * tilted.transpose();
-  }
+  if (stiffness <= 0) return;
   ++equations.matched;
   if (mahalanobis_squared >= kChiSquared95) return;
   ++equations.inliers;
   equations.inlier_error += mahalanobis_squared;
+}
+
+namespace {
+
+/// A patch of surface by itself: its normal, and how far it is flat at all, in [0, 1].
+struct Patch {
+  explicit Patch(const Eigen::Matrix3d& covariance) {
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+    eigen.computeDirect(covariance);
+    normal = eigen.eigenvectors().col(0);
+    flatness = std::max(0.0, 1 - eigen.eigenvalues()[0] / std::max(1e-12, eigen.eigenvalues()[1]));
+  }
+  Eigen::Vector3d normal;
+  double flatness;
+};
+
+}  // namespace
+
+Matrix6 Factor::information(const Gaussian& bundle_map, const Eigen::Vector3d& from_sensor,
+                            const RobustKernel& kernel) const {
+  const Patch leaf(match.covariance_leaf);
+  const Patch bundle(bundle_map.covariance);
+  const Eigen::Vector3d residual = match.mean_leaf - bundle_map.mean;
+  const double weight = trust * kernel.weight(residual.dot(match.information * residual)) * stiffness;
+  const double common = weight * leaf.flatness * bundle.flatness * leaf.normal.dot(bundle.normal);
+  const Matrix6 product =
+      jacobian(leaf.normal, from_sensor) * (common * jacobian(bundle.normal, from_sensor)).transpose();
+  return 0.5 * (product + product.transpose());
 }
 
 namespace {
@@ -55,30 +80,6 @@ Eigen::Matrix3d square(const Eigen::Matrix3d& S) {
   squared(0, 2) = squared(2, 0) = xz * (xx + zz) + xy * yz;
   squared(1, 2) = squared(2, 1) = yz * (yy + zz) + xy * xz;
   return squared;
-}
-
-/// How much a normal may be off, by first-order perturbation of eigenvectors: leaf and bundle are estimates,
-/// each from its points.
-Eigen::Matrix<double, 3, 2> tilts(const Correspondence& match, double count, const Eigen::Vector3d& normal) {
-  constexpr double kMost = 0.5;  // variance of a direction that is not known at all
-  Eigen::Matrix<double, 3, 2> plane;
-  plane.col(0) = normal.unitOrthogonal();
-  plane.col(1) = normal.cross(plane.col(0));
-  const Eigen::Matrix2d within = plane.transpose() * match.information * plane;
-  const double angle = 0.5 * std::atan2(2 * within(0, 1), within(0, 0) - within(1, 1));
-  plane = (plane * Eigen::Rotation2Dd(angle).toRotationMatrix()).eval();
-  const auto along = [](const Eigen::Matrix3d& S, const Eigen::Vector3d& axis) { return axis.dot(S * axis); };
-  const double across = 1 / along(match.information, normal);
-  const double across_leaf = along(match.covariance_leaf, normal);
-  for (int i = 0; i < 2; ++i) {
-    const double both = 1 / along(match.information, plane.col(i));
-    const double leaf = along(match.covariance_leaf, plane.col(i));
-    const double noise = across_leaf * leaf / std::max(1.0, match.count_leaf) +
-                         std::max(0.0, across - across_leaf) * std::max(0.0, both - leaf) / count;
-    const double gap = std::max(both - across, 1e-9);
-    plane.col(i) *= std::sqrt(std::min(kMost, noise / (gap * gap)));
-  }
-  return plane;
 }
 
 }  // namespace
@@ -98,7 +99,9 @@ Factor make_factor(const Correspondence& match, double count) {
   const double half_sum = (trace - stiffest) / 2;
   const double product = M.determinant() / stiffest;
   const double next = half_sum + std::sqrt(std::max(0.0, half_sum * half_sum - product));
-  return {match, normal, std::max(0.0, stiffest - next), tilts(match, count, normal),
+  // A line of points has no normal: its plane must be clearly wider than it is thick.
+  constexpr double kWide = 4;  // variances
+  return {match, normal, std::max(0.0, stiffest - kWide * next),
           std::sqrt(count) * match.occupancy};
 }
 

@@ -20,7 +20,6 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 struct NormalEquations {
   Matrix6 hessian = Matrix6::Zero();  ///< sum of w J' N J
   Twist gradient = Twist::Zero();     ///< sum of w J' N e
-  Matrix6 feigned = Matrix6::Zero();  ///< share of the Hessian that is due to noise of the normals, expected
   std::size_t matched = 0;            ///< bundles with a leaf
   std::size_t inliers = 0;            ///< of these, within the 95 % ellipsoid
   double inlier_error = 0;            ///< sum of their squared Mahalanobis distances
@@ -47,13 +46,18 @@ struct Factor {
   Correspondence match;
   Eigen::Vector3d normal;  ///< M's stiffest axis, the better the stiffer it is
   double stiffness;        ///< lambda_3 - lambda_2 of M's eigenvalues [1/m^2]
-  Eigen::Matrix<double, 3, 2> tilts;  ///< standard deviations of the normal, each along its axis in the plane
   double trust;            ///< sqrt(n_R) times the leaf's occupancy
 
   /// Adds what this factor says when the bundle's mean is `mean_map` [m]; `from_sensor` [m] leads there from
   /// the sensor, in the map's axes.
   void add_to(NormalEquations& equations, const Eigen::Vector3d& mean_map, const Eigen::Vector3d& from_sensor,
               const RobustKernel& kernel) const;
+
+  /// What it says about the pose beyond what noise feigns: as the Hessian's J' N J, with the normal of the leaf
+  /// on one side and that of the bundle on the other. Both are noisy, but independently of each other, so that
+  /// in the sum over many patches of a wall their random tilts, each of which seems to hold the pose along the
+  /// wall a little, cancel. `bundle_map`: the bundle in the map frame [m].
+  Matrix6 information(const Gaussian& bundle_map, const Eigen::Vector3d& from_sensor, const RobustKernel& kernel) const;
 };
 
 /// REQUIRES: the bundle has `count` points.

@@ -10,9 +10,9 @@
 namespace evermap {
 namespace {
 
-constexpr double kOnePlace = 0.05;      ///< [m] poses nearer than this are one place
-constexpr double kOneHeading = 0.0087;  ///< [rad] half a degree
-constexpr double kRival = 0.9;          ///< of the best score
+constexpr double kSamePlace = 0.05;      ///< [m] poses nearer than this are one place
+constexpr double kSameHeading = 0.0087;  ///< [rad] half a degree
+constexpr double kRivalScore = 0.9;          ///< of the best score
 
 }  // namespace
 
@@ -21,7 +21,7 @@ bool is_same_place(const Registration& a, const Registration& b) {
   const Observability& known = a.observability;
   const Twist along = known.directions.fullPivLu().solve(apart);
   apart -= known.directions.leftCols(known.unobservable) * along.head(known.unobservable);
-  return apart.head<3>().norm() < kOnePlace && apart.tail<3>().norm() < kOneHeading;
+  return apart.head<3>().norm() < kSamePlace && apart.tail<3>().norm() < kSameHeading;
 }
 
 std::vector<Hypothesis> distinct(const std::vector<Registration>& found) {
@@ -50,7 +50,7 @@ std::size_t best_of(const std::vector<Hypothesis>& hypotheses) {
 bool has_rival(const std::vector<Hypothesis>& hypotheses, std::size_t best) {
   const double most = hypotheses[best].score();
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
-    if (i != best && hypotheses[i].score() > kRival * most) return true;
+    if (i != best && hypotheses[i].score() > kRivalScore * most) return true;
   }
   return false;
 }

@@ -7,6 +7,11 @@
 #include <evermap/scan/deskew.hpp>
 
 namespace evermap {
+namespace {
+
+constexpr double kMiddle = 1.0;  ///< [m] leaves so wide still tell the faces of a room apart
+
+}  // namespace
 
 std::string_view to_string(TrackingState state) {
   switch (state) {
@@ -72,8 +77,7 @@ Localization Localizer::propose(const Octree& map, const Scan& raw, double time,
   found.T_begin_end = motion(time, odometry, lidar_.scan_period);
   const Scan scan = undistorted(raw, found.T_begin_end);
   if (!found.is_search) {
-    const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, lidar_);
-    found.registration = register_bundles(map, bundles, found.T_map_sensor_predicted, parameters_.registration);
+    found.registration = register_near(map, scan, found.T_map_sensor_predicted);
     found.hypotheses = {{found.registration}};
     if (found.motion_is_known) undistort(map, raw, found);
   }
@@ -104,7 +108,7 @@ void Localizer::choose(Localization& found) const {
   if (found.reject_reason == RejectReason::kNone && has_rival(found.hypotheses, best)) {
     found.reject_reason = RejectReason::kAmbiguous;
   }
-  const bool is_blind = !found.T_odom_sensor && blind_ >= parameters_.gate.blind;
+  const bool is_blind = !found.T_odom_sensor && (!found.motion_is_known || blind_ >= parameters_.gate.blind);
   if (found.reject_reason == RejectReason::kNone && !winner.registration.converged() && is_blind) {
     found.reject_reason = RejectReason::kUnobservable;
   }
@@ -135,6 +139,17 @@ void Localizer::begin(const Pose& T_map_sensor, double time, const std::optional
   velocity_ = velocity;
 }
 
+Registration Localizer::register_near(const Octree& map, const Scan& scan, const Pose& T_map_sensor_guess) const {
+  const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, lidar_);
+  const Registration fine = register_bundles(map, bundles, T_map_sensor_guess, parameters_.registration);
+  if (fine.converged()) return fine;
+  const CoarseToFine wider(map, scan, T_map_sensor_guess.translation, lidar_, parameters_.registration, kMiddle);
+  const Registration found = wider.from(T_map_sensor_guess);
+  const bool is_better = found.is_usable() && (!fine.is_usable() || found.observability.unobservable <
+                                                                         fine.observability.unobservable);
+  return is_better ? found : fine;
+}
+
 Scan Localizer::undistorted(const Scan& raw, const Pose& T_begin_end) const {
   return deskew(raw, T_begin_end, lidar_.scan_period);
 }
@@ -150,7 +165,6 @@ std::vector<Registration> Localizer::register_everywhere(const Octree& map, cons
   if (found.is_search) {
     return places(map, scan, predicted, lidar_, parameters_.registration, parameters_.relocation);
   }
-  constexpr double kMiddle = 1.0;  // [m] leaves so wide still tell the faces of a room apart
   constexpr double kTurn = 0.2;    // [rad] coarse to fine reaches half as far
   constexpr double kStep = 0.8;    // [m] likewise
   const CoarseToFine registration(map, scan, predicted.translation, lidar_, parameters_.registration);
@@ -180,8 +194,7 @@ void Localizer::undistort(const Octree& map, const Scan& raw, Localization& foun
     const Twist off = difference(found.T_begin_end, moved);
     if (off.head<3>().norm() < kTranslation && off.tail<3>().norm() < kRotation) return;
     found.T_begin_end = moved;
-    const auto bundles = bundles_in_sensor_frame(undistorted(raw, moved), map.grid().edge, lidar_);
-    best = register_bundles(map, bundles, best.T_map_sensor, parameters_.registration);
+    best = register_near(map, undistorted(raw, moved), best.T_map_sensor);
   }
 }
 
@@ -194,8 +207,7 @@ void Localizer::undistort_start(const Octree& map, const Scan& raw, Localization
     const Twist since = log(T_before.inverse() * best.T_map_sensor);
     found.T_begin_end = exp(since * lidar_.scan_period / (found.time - last_->time));
     const auto there = [&](const Scan& scan, const Pose& guess) {
-      const auto bundles = bundles_in_sensor_frame(undistorted(scan, found.T_begin_end), map.grid().edge, lidar_);
-      return register_bundles(map, bundles, guess, parameters_.registration);
+      return register_near(map, undistorted(scan, found.T_begin_end), guess);
     };
     const Registration before = there(*last_scan_, T_before);
     best = there(raw, best.T_map_sensor);

@@ -110,6 +110,8 @@ class Localizer {
   /// How much wider the gate is for a prediction over more than one period. REQUIRES: there was a fix.
   double slack(double time) const;
   bool odometry_jumps(double time, const std::optional<Pose>& T_odom_sensor) const;
+  /// Near the guess, with wider leaves where the map's own do not hold all directions.
+  Registration register_near(const Octree& map, const Scan& scan, const Pose& T_map_sensor_guess) const;
   Scan undistorted(const Scan& raw, const Pose& T_begin_end) const;
   /// How the sensor moved in the period before, if it went from the last fix to here.
   Pose motion_to(const Pose& T_map_sensor, double time) const;

@@ -10,21 +10,13 @@
 #include <evermap/localization/observability.hpp>
 
 namespace evermap {
-namespace {
-
-constexpr double kFeignedMargin = 1.5;  ///< the noise of normals is not known exactly
-
-}  // namespace
-
-Observability observability(const NormalEquations& equations, const AccuracyLimits& limits) {
+Observability observability(const Matrix6& information, double noise, const AccuracyLimits& limits) {
   Observability result;
   // In units of the limits all directions are alike, and an eigenvalue is 1 / variance.
   Twist units;
   units << Eigen::Vector3d::Constant(limits.translation), Eigen::Vector3d::Constant(limits.rotation);
-  const Matrix6 information = equations.hessian - kFeignedMargin * equations.feigned;
   const Matrix6 scaled = units.asDiagonal() * information * units.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(scaled);
-  const double noise = equations.noise();
   Matrix6 covariance = Matrix6::Zero();
   for (int i = 0; i < 6; ++i) {
     const Twist direction = eigen.eigenvectors().col(i);

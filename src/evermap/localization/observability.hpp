@@ -26,9 +26,9 @@ struct Observability {
   bool is_complete() const { return unobservable == 0; }
 };
 
-/// Accuracy from the information, beyond what noise of the normals feigns: a wall's patches tilt at random,
-/// and each seems to hold the pose along the wall a little; a thousand of them would hold it to centimetres.
-Observability observability(const NormalEquations& equations, const AccuracyLimits& limits);
+/// The accuracy that results from `information` (see Factor). `noise`: variance of residuals in units of what
+/// their covariances say.
+Observability observability(const Matrix6& information, double noise, const AccuracyLimits& limits);
 
 /// "translation along x", "rotation about (0.71, 0.70, 0.00)".
 std::string to_string(const Observability& direction);

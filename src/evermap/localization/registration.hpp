@@ -68,10 +68,13 @@ Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bu
 /// outlives it.
 class CoarseToFine {
  public:
+  /// `coarsest`: [m] edge of the widest leaves of any view.
   CoarseToFine(const Octree& map, const Scan& scan, const Eigen::Vector3d& center_map,
-               const LidarParameters& lidar, const RegistrationParameters& parameters);
+               const LidarParameters& lidar, const RegistrationParameters& parameters,
+               double coarsest = std::numeric_limits<double>::infinity());
 
-  /// `coarsest`: [m] edge of the widest leaves that are used: none, and it is register_bundles. Thread safe.
+  /// `coarsest`: [m] edge of the widest leaves that are used: none, and it is register_bundles. Directions that
+  /// only wide leaves hold are taken from these. Thread safe.
   Registration from(const Pose& T_map_sensor_guess,
                     double coarsest = std::numeric_limits<double>::infinity()) const;
 
