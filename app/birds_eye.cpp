@@ -6,12 +6,12 @@
 #include <array>
 #include <cmath>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "picture.hpp"
+#include <evermap/io/atomic_file.hpp>
 
 namespace evermap {
 namespace {
@@ -19,8 +19,9 @@ namespace {
 constexpr int kLeastWidth = 1000;   // [pixels]
 constexpr int kMostColumns = 4096;  // larger maps are drawn coarser, which bounds memory
 constexpr int kMargin = 12;         // [pixels]
-constexpr int kFooter = Picture::kTextHeight + 2 * kMargin;
-constexpr double kCroppedSide = 0.0025;  // share of the leaves left out at each side of the area
+constexpr int kBar = 14;            // [pixels] height of what explains a picture, below it
+constexpr int kFooter = kBar + 2 * kMargin;
+constexpr double kCroppedSide = 0.0025;  // fraction of the leaves left out at each side of the area
 constexpr double kCroppedHeight =
     0.02;  // and at each end of the ramp, where strays below ground take colours
 
@@ -33,7 +34,7 @@ constexpr Color kAdded = {0, 114, 178};
 constexpr Color kRemoved = {213, 94, 0};
 
 /// Viridis (van der Walt and Smith, 2015), without its brightest end, which white ground would swallow.
-Color ramp(double share) {
+Color ramp(double fraction) {
   constexpr std::array<std::array<double, 3>, 8> kStops = {{{68, 1, 84},
                                                             {71, 44, 122},
                                                             {59, 81, 139},
@@ -42,7 +43,7 @@ Color ramp(double share) {
                                                             {39, 173, 129},
                                                             {92, 200, 99},
                                                             {170, 220, 50}}};
-  const double at = std::clamp(share, 0.0, 1.0) * (kStops.size() - 1);
+  const double at = std::clamp(fraction, 0.0, 1.0) * (kStops.size() - 1);
   const auto below = std::min(static_cast<std::size_t>(at), kStops.size() - 2);
   const auto mix = [&](std::size_t channel) {
     const double t = at - static_cast<double>(below);
@@ -57,9 +58,9 @@ struct Range {
   int size() const { return greatest - least + 1; }
 };
 
-/// The range of values without that share at each end. REQUIRES: there are values.
-Range cropped(std::vector<int>& values, double share) {
-  const auto cut = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
+/// The range of values without that fraction at each end. REQUIRES: there are values.
+Range cropped(std::vector<int>& values, double fraction) {
+  const auto cut = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size()));
   std::nth_element(values.begin(), values.begin() + cut, values.end());
   const int least = values[static_cast<std::size_t>(cut)];
   std::nth_element(values.begin(), values.end() - 1 - cut, values.end());
@@ -91,6 +92,12 @@ class View {
   int rows() const { return (range_[1].size() + voxels_per_cell_ - 1) / voxels_per_cell_; }
   int pixels_per_cell() const { return pixels_per_cell_; }
   double pixels_per_metre() const { return pixels_per_cell_ / (voxels_per_cell_ * edge_); }
+  /// [m] The largest 1, 2 or 5 times a power of ten that fits a fifth of the width.
+  double scale_bar() const {
+    const double most = columns() * pixels_per_cell_ / 5.0 / pixels_per_metre();
+    const double power = std::pow(10, std::floor(std::log10(most)));
+    return (5 * power <= most ? 5 : 2 * power <= most ? 2 : 1) * power;
+  }
   double least_height() const { return origin_z_ + range_[2].least * edge_; }              ///< [m]
   double greatest_height() const { return origin_z_ + (range_[2].greatest + 1) * edge_; }  ///< [m]
 
@@ -108,7 +115,7 @@ class View {
   }
 
   /// 0 at the lowest leaves in view, 1 at the highest.
-  double height_share(int voxel_z) const {
+  double height_fraction(int voxel_z) const {
     return (voxel_z - range_[2].least) / std::max(1.0, static_cast<double>(range_[2].size() - 1));
   }
 
@@ -129,7 +136,7 @@ class Canvas {
 
   void paint(std::size_t cell, Color color) { cells_[cell] = color; }
 
-  Picture finish(std::string_view title) const {
+  Picture finish() const {
     const int scale = view_.pixels_per_cell();
     Picture picture(view_.columns() * scale, view_.rows() * scale + kFooter, kGround);
     for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
@@ -138,38 +145,25 @@ class Canvas {
                    scale, cells_[cell]);
     }
     picture.fill(0, picture.height() - kFooter, picture.width(), 1, kUnchanged);
-    picture.write(kMargin, picture.height() - kMargin - Picture::kTextHeight, title, kInk);
     draw_scale_bar(picture);
     return picture;
   }
 
  private:
-  /// At the right, of the largest 1, 2 or 5 times a power of ten metres that fits a fifth of the width.
+  /// At the right.
   void draw_scale_bar(Picture& picture) const {
-    const double most = picture.width() / 5.0 / view_.pixels_per_metre();  // [m]
-    double length = std::pow(10, std::floor(std::log10(most)));
-    for (const double factor : {5.0, 2.0}) {
-      if (factor * length > most) continue;
-      length *= factor;
-      break;
-    }
-    const int width = static_cast<int>(std::lround(length * view_.pixels_per_metre()));
+    const int width = static_cast<int>(std::lround(view_.scale_bar() * view_.pixels_per_metre()));
     const int x = picture.width() - kMargin - width;
-    const int y = picture.height() - kMargin - Picture::kTextHeight;
-    picture.fill(x, y + Picture::kTextHeight - 4, width, 4, kInk);
-    for (const int end : {x, x + width - 2}) picture.fill(end, y, 2, Picture::kTextHeight, kInk);
-    const std::string text = fmt::format("{:g} m", length);
-    picture.write(x - kMargin - Picture::text_width(text), y, text, kInk);
+    const int y = picture.height() - kMargin - kBar;
+    picture.fill(x, y + kBar - 4, width, 4, kInk);
+    for (const int end : {x, x + width - 2}) picture.fill(end, y, 2, kBar, kInk);
   }
 
   const View& view_;
   std::vector<Color> cells_;
 };
 
-constexpr int kLegendX = 160;  // [pixels] behind the longest title
-int legend_y(const Picture& picture) { return picture.height() - kMargin - Picture::kTextHeight; }
-
-Picture height_picture(const View& view, const Octree& octree, std::string_view title) {
+Picture height_picture(const View& view, const Octree& octree) {
   Canvas canvas(view);
   std::vector<int> top(static_cast<std::size_t>(view.columns()) * static_cast<std::size_t>(view.rows()),
                        -VoxelKey::kMaxZ - 1);
@@ -178,19 +172,15 @@ Picture height_picture(const View& view, const Octree& octree, std::string_view 
     view.locate(key, [&](std::size_t cell, const Eigen::Vector3i& voxel) {
       if (voxel.z() <= top[cell]) return;
       top[cell] = voxel.z();
-      canvas.paint(cell, ramp(view.height_share(voxel.z())));
+      canvas.paint(cell, ramp(view.height_fraction(voxel.z())));
     });
   });
-  Picture picture = canvas.finish(title);
+  Picture picture = canvas.finish();
   constexpr int kRampWidth = 200;  // [pixels]
-  const std::string least = fmt::format("{:.1f} m", view.least_height());
-  const int y = legend_y(picture);
-  picture.write(kLegendX, y, least, kInk);
-  const int x = kLegendX + Picture::text_width(least) + kMargin;
   for (int i = 0; i < kRampWidth; ++i) {
-    picture.fill(x + i, y, 1, Picture::kTextHeight, ramp(static_cast<double>(i) / (kRampWidth - 1)));
+    picture.fill(kMargin + i, picture.height() - kMargin - kBar, 1, kBar,
+                 ramp(static_cast<double>(i) / (kRampWidth - 1)));
   }
-  picture.write(x + kRampWidth + kMargin, y, fmt::format("{:.1f} m", view.greatest_height()), kInk);
   return picture;
 }
 
@@ -206,16 +196,17 @@ Picture change_picture(const View& view, const Octree& after, const MapDifferenc
   for (const VoxelKey key : difference.moved) paint(key, kMoved);
   for (const VoxelKey key : difference.added) paint(key, kAdded);
   for (const VoxelKey key : difference.removed) paint(key, kRemoved);
-  Picture picture = canvas.finish("change");
-  int x = kLegendX;
-  for (const auto& [name, color] :
-       {std::pair("unchanged", kUnchanged), {"added", kAdded}, {"removed", kRemoved}, {"moved", kMoved}}) {
-    picture.fill(x, legend_y(picture), Picture::kTextHeight, Picture::kTextHeight, color);
-    x += Picture::kTextHeight + kMargin / 2;
-    picture.write(x, legend_y(picture), name, kInk);
-    x += Picture::text_width(name) + 2 * kMargin;
-  }
-  return picture;
+  return canvas.finish();
+}
+
+/// What the pictures show, in words: they hold none.
+std::string legend(const View& view) {
+  return fmt::format(
+      "Maps from above, north (y) up; the bar at the lower right is {:g} m long.\n"
+      "before.png, after.png: height of the highest leaf, from {:.1f} m (dark violet) to {:.1f} m (light "
+      "green).\n"
+      "change.png: grey unchanged, blue added, orange removed, pink moved.\n",
+      view.scale_bar(), view.least_height(), view.greatest_height());
 }
 
 }  // namespace
@@ -223,9 +214,12 @@ Picture change_picture(const View& view, const Octree& after, const MapDifferenc
 void write_pictures(const std::filesystem::path& folder, const Octree& before, const Octree& after,
                     const MapDifference& difference) {
   const View view(before, after);
-  height_picture(view, before, "before").save_png(folder / "before.png");
-  height_picture(view, after, "after").save_png(folder / "after.png");
+  height_picture(view, before).save_png(folder / "before.png");
+  height_picture(view, after).save_png(folder / "after.png");
   change_picture(view, after, difference).save_png(folder / "change.png");
+  AtomicFile file(folder / "legend.txt");
+  file.write(legend(view));
+  file.commit();
 }
 
 }  // namespace evermap

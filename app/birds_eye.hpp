@@ -10,8 +10,9 @@
 namespace evermap {
 
 /// Pictures of two maps from above, north (y) up, all of the same area: before.png and after.png by height,
-/// change.png by what became of each leaf. The area leaves out the outermost leaves, so that a few far ones
-/// do not shrink the rest. Throws IoError when one cannot be written.
+/// change.png by what became of each leaf; legend.txt says what colours mean. The area leaves out the
+/// outermost leaves, so that a few far ones do not shrink the rest. Throws FileError when one cannot be
+/// written.
 void write_pictures(const std::filesystem::path& folder, const Octree& before, const Octree& after,
                     const MapDifference& difference);
 

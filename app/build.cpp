@@ -35,34 +35,29 @@ void finish(const Options& options, const Octree& octree, const RunReport& run) 
   }
 }
 
-void build_from_poses(const Options& options, const UpdateParameters& parameters) {
+void build_from_poses(const Options& options, const Parameters& parameters) {
   PosedScans scans(options.run.scans, options.run.poses);
-  Octree octree(VoxelGrid::around(scans.first_pose().translation, options.leaf));
-  const Run run = run_over(scans, options.run.threads, [&](const Scan& scan, const Pose& T_map_sensor) {
-    return add_scan(octree, scan, T_map_sensor, parameters);
-  });
-  finish(options, octree, run);
+  const VoxelGrid grid = VoxelGrid::around(scans.first_pose().translation, options.leaf);
+  MapMaintainer maintainer(Octree(grid), parameters, MapMode::kMapping);
+  const Run run = run_over(scans, options.run.threads, maintainer);
+  finish(options, maintainer.map(), run);
 }
 
 /// LiDAR odometry: each scan is localized in the map of those before it. The first pose is the map's origin.
-void build_without_poses(const Options& options, const UpdateParameters& parameters) {
+void build_without_poses(const Options& options, const Parameters& parameters) {
   LocalizedScans scans = options.odometry;
   scans.scans = options.run.scans;
   scans.threads = options.run.threads;
-  LocalizerParameters localizer;
-  localizer.lidar = parameters.lidar;
-  Octree octree(VoxelGrid{.edge = options.leaf});
-  const LocalizedRun run = localize_scans(scans, octree, Localizer(Pose{}, localizer),
-                                          {.write = [&](const Scan& scan, const Pose& T_map_sensor) {
-                                            return add_scan(octree, scan, T_map_sensor, parameters);
-                                          }});
+  MapMaintainer maintainer(Octree(VoxelGrid{.edge = options.leaf}), parameters, MapMode::kMapping);
+  const LocalizedRun run = localize_scans(scans, maintainer, parameters.lidar.scan_period);
   if (!options.poses_out.empty()) write_tum_poses(options.poses_out, run.trajectory);
-  finish(options, octree, run);
+  finish(options, maintainer.map(), run);
 }
 
 void run(const Options& options) {
   check_leaf(options.leaf);
-  const UpdateParameters parameters = parameters_of(options.parameters);
+  Parameters parameters = parameters_of(options.parameters);
+  if (options.odometry.rate) parameters.lidar.scan_period = 1 / *options.odometry.rate;
   check_writable(options.map);
   if (!options.poses_out.empty()) check_writable(options.poses_out);
   options.run.poses.empty() ? build_without_poses(options, parameters)

@@ -5,8 +5,8 @@
 #include <fmt/core.h>
 
 #include "options.hpp"
-#include "parameters_file.hpp"
 #include "verbs.hpp"
+#include <evermap/config/parameters_file.hpp>
 
 namespace evermap {
 

@@ -10,7 +10,7 @@
 #include "report.hpp"
 #include "verbs.hpp"
 #include <evermap/io/cloud.hpp>
-#include <evermap/io/io_error.hpp>
+#include <evermap/files/file_error.hpp>
 #include <evermap/io/map_file.hpp>
 
 namespace evermap {
@@ -40,13 +40,13 @@ Eigen::Vector3d median(const Scan& cloud, const Pose& T_map_cloud) {
 
 void run(const Options& options) {
   check_leaf(options.leaf);
-  const UpdateParameters parameters = parameters_of(options.parameters);
+  const Parameters parameters = parameters_of(options.parameters);
   check_writable(options.map);
   const Scan cloud = read_cloud(options.cloud);
   const Pose T_map_cloud = cloud.T_map_sensor.value_or(Pose{});
   if (cloud.p_sensor.empty()) check_any_used(PointCounts(cloud, {}), options.cloud);
   Octree octree(VoxelGrid::around(median(cloud, T_map_cloud), options.leaf));
-  const PointCounts points(cloud, add_cloud(octree, cloud, T_map_cloud, parameters));
+  const PointCounts points(cloud, add_cloud(octree, cloud, T_map_cloud, parameters.lidar, parameters.update));
   check_any_used(points, options.cloud);
   save_map(options.map, octree);
   if (options.as_json) {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
@@ -14,7 +15,6 @@
 #include <evermap/io/map_file.hpp>
 #include <evermap/io/map_undo.hpp>
 #include <evermap/io/quaternion.hpp>
-#include <evermap/update/guarded_map.hpp>
 
 namespace evermap {
 namespace {
@@ -24,7 +24,8 @@ struct Options {
   LocalizedScans scans;
   std::vector<double> initial_pose;  ///< x y z [m] qx qy qz qw; empty: the map's origin
   bool maintain = false;
-  GuardParameters guard;
+  std::optional<int> rollback;  ///< [scans]
+  std::optional<double> max_contradicting;
   bool undo_log = false;
   std::filesystem::path poses;
   std::filesystem::path map_out;
@@ -50,22 +51,20 @@ void check(const Options& options) {
 }
 
 void run(const Options& options) {
-  const UpdateParameters parameters = parameters_of(options.parameters);
+  Parameters parameters = parameters_of(options.parameters);
+  if (options.scans.rate) parameters.lidar.scan_period = 1 / *options.scans.rate;
+  parameters.rollback.scans = options.rollback.value_or(parameters.rollback.scans);
+  parameters.rollback.max_contradicting = options.max_contradicting.value_or(parameters.rollback.max_contradicting);
   check(options);
-  LocalizerParameters localizer;
-  localizer.lidar = parameters.lidar;
-  GuardedMap map(load_map(options.map), parameters, options.guard);
-  if (map.octree().empty()) throw std::runtime_error(options.map.string() + " has no leaves to localize in");
-  Writing writing;
-  if (options.maintain) {
-    writing = {[&](const Scan& scan, const Pose& T_map_sensor) { return map.update(scan, T_map_sensor); },
-               [&] { return map.take_back(); }};
-  }
-  const LocalizedRun run =
-      localize_scans(options.scans, map.octree(), {initial_pose_of(options), localizer}, writing);
+  Octree map = load_map(options.map);
+  if (map.empty()) throw std::runtime_error(options.map.string() + " has no leaves to localize in");
+  MapMaintainer maintainer(std::move(map), parameters,
+                           options.maintain ? MapMode::kMaintenance : MapMode::kLocalization,
+                           initial_pose_of(options));
+  const LocalizedRun run = localize_scans(options.scans, maintainer, parameters.lidar.scan_period);
   write_tum_poses(options.poses, run.trajectory);
   if (options.undo_log) keep_for_undo(options.map_out);
-  if (options.maintain) save_map(options.map_out, map.octree());
+  if (options.maintain) save_map(options.map_out, maintainer.map());
   if (options.as_json) {
     Json json = {{"poses", options.poses.string()}};
     if (options.maintain) json["map"] = options.map_out.string();
@@ -97,17 +96,18 @@ void add_localize(CLI::App& app) {
   verb->add_option("--map-out", options->map_out,
                    "Map to write with --maintain; may be the one to start from")
       ->type_name("OUT.evm");
-  verb->add_option("--probation", options->guard.probation,
-                   "Scans whose changes are taken back when the robot turns out to be lost")
-      ->check(CLI::Range(0, 1000))
+  const RollbackParameters defaults;
+  verb->add_option("--rollback", options->rollback,
+                   "Scans whose changes are undone when the robot turns out to be lost")
+      ->check(CLI::Range(0, 10000))
       ->type_name("SCANS")
-      ->capture_default_str();
-  verb->add_option("--max-contradicting", options->guard.max_contradicting,
-                   "Share of a scan's rays, beyond what was usual; of which more contradict the map, that "
-                   "scan is not written")
+      ->default_str(fmt::format("{}", defaults.scans));
+  verb->add_option("--max-contradicting", options->max_contradicting,
+                   "Fraction of a scan's rays, beyond the median of those before, that may contradict the "
+                   "map; a scan of more is not written")
       ->check(CLI::Range(0.0, 1.0))
-      ->type_name("SHARE")
-      ->capture_default_str();
+      ->type_name("FRACTION")
+      ->default_str(fmt::format("{}", defaults.max_contradicting));
   add_undo_log_option(*verb, options->undo_log);
   add_threads_option(*verb, options->scans.threads);
   add_mode_option(*verb, options->parameters);

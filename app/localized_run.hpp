@@ -5,7 +5,6 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,7 +15,7 @@
 #include "report.hpp"
 #include "run.hpp"
 #include <evermap/io/poses.hpp>
-#include <evermap/localization/localizer.hpp>
+#include <evermap/maintenance/map_maintainer.hpp>
 
 namespace evermap {
 
@@ -25,7 +24,7 @@ struct LocalizedScans {
   std::filesystem::path scans;
   std::filesystem::path
       odometry;      ///< one pose of the sensor for each scan, in any frame; empty when not given
-  double rate = 10;  ///< [Hz] scans per second, where the odometry has no times
+  std::optional<double> rate;  ///< [Hz] scans per second, when not the parameters' scan_period
   int threads = 0;   ///< 0: one per core
 };
 /// Adds --odometry and --rate.
@@ -34,27 +33,18 @@ void add_odometry_options(CLI::App& verb, LocalizedScans& options);
 /// What became of them.
 struct LocalizedRun {
   Run run;
-  std::vector<StampedPose> trajectory;            ///< T_map_sensor of every scan
-  std::array<std::size_t, 4> states{};            ///< scans by TrackingState
-  std::map<std::string, std::size_t> objections;  ///< scans that did not pass the gate, by reason
-  std::size_t taken_back = 0;                     ///< scans whose changes were undone
+  std::vector<StampedPose> trajectory;             ///< T_map_sensor of every scan
+  std::array<std::size_t, 4> states{};             ///< scans by TrackingState
+  std::map<RejectReason, std::size_t> rejections;  ///< scans that were not believed or not written
+  std::size_t rolled_back = 0;                     ///< scans whose changes were undone
 
   std::size_t count(TrackingState state) const { return states[static_cast<std::size_t>(state)]; }
 };
 
-/// What becomes of scans, their motion undone, whose poses are believed.
-struct Writing {
-  /// Returns none when it refuses to write. Empty: nothing is written.
-  std::function<std::optional<ScanSummary>(const Scan& scan, const Pose& T_map_sensor)> write{};
-  /// Undoes the last changes when the robot turns out to be lost, and says of how many scans.
-  std::function<std::size_t()> take_back = [] { return std::size_t{0}; };
-};
-
-/// Localizes scan by scan in the map, which `writing` may change, until all are done or SIGINT or SIGTERM
-/// came. A map without leaves begins with the first scan. Throws IoError when scans or odometry cannot be
-/// read or do not belong together.
-LocalizedRun localize_scans(const LocalizedScans& options, const Octree& map, Localizer localizer,
-                            const Writing& writing);
+/// Gives the maintainer scan by scan until all are done or SIGINT or SIGTERM came. Throws FileError when scans
+/// or odometry cannot be read or do not belong together. `scan_period` [s] tells the scans' times where the
+/// odometry has none.
+LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& maintainer, double scan_period);
 
 Json to_json(const LocalizedRun& run);
 std::string to_text(const LocalizedRun& run);

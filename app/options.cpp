@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "parameters_file.hpp"
+#include <evermap/config/parameters_file.hpp>
 #include <evermap/io/atomic_file.hpp>
 #include <evermap/io/map_file.hpp>
 
@@ -35,8 +35,8 @@ void add_range_options(CLI::App& verb, ParameterOptions& options) {
       ->default_str(fmt::format("{}", defaults.max_range));
 }
 
-UpdateParameters parameters_of(const ParameterOptions& options) {
-  UpdateParameters parameters = options.mode == "paper" ? UpdateParameters::paper() : UpdateParameters{};
+Parameters parameters_of(const ParameterOptions& options) {
+  Parameters parameters = options.mode == "paper" ? Parameters::paper() : Parameters{};
   if (!options.config.empty()) read_parameters(options.config, parameters);
   LidarParameters& lidar = parameters.lidar;
   lidar.min_range = options.min_range.value_or(lidar.min_range);

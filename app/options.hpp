@@ -8,7 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include <evermap/update/parameters.hpp>
+#include <evermap/maintenance/parameters.hpp>
 
 namespace evermap {
 
@@ -22,8 +22,8 @@ struct ParameterOptions {
 void add_mode_option(CLI::App& verb, ParameterOptions& options);
 void add_config_option(CLI::App& verb, ParameterOptions& options);
 void add_range_options(CLI::App& verb, ParameterOptions& options);
-/// Throws IoError when the file is wrong, std::runtime_error when the ranges exclude every point.
-UpdateParameters parameters_of(const ParameterOptions& options);
+/// Throws FileError when the file is wrong, std::runtime_error when the ranges exclude every point.
+Parameters parameters_of(const ParameterOptions& options);
 
 /// The scans that a verb works through, and with how many threads.
 struct RunOptions {
@@ -42,7 +42,7 @@ void check_leaf(double leaf);
 void add_undo_log_option(CLI::App& verb, bool& undo_log);
 void add_json_option(CLI::App& verb, bool& as_json);
 
-/// Fails now, instead of after a long run, when `file` cannot be written. Throws IoError.
+/// Fails now, instead of after a long run, when `file` cannot be written. Throws FileError.
 void check_writable(const std::filesystem::path& file);
 
 }  // namespace evermap

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <string_view>
 #include <vector>
 
 namespace evermap {
@@ -16,20 +15,14 @@ struct Color {
 /// An image in memory; pixel (0, 0) is the upper left one. What is drawn beyond its borders is cut off.
 class Picture {
  public:
-  static constexpr int kTextHeight = 14;  ///< [pixels]
-
   Picture(int width, int height, Color ground);
 
   int width() const { return width_; }
   int height() const { return height_; }
 
   void fill(int x, int y, int width, int height, Color color);
-  /// Lower-case letters, digits, blank, dot and minus; `x`, `y` is the upper left corner of the first one.
-  void write(int x, int y, std::string_view text, Color color);
-  /// Width [pixels] of a written text, without the gap behind its last character.
-  static int text_width(std::string_view text);
 
-  /// Atomically. Throws IoError when the file cannot be written.
+  /// Atomically. Throws FileError when the file cannot be written.
   void save_png(const std::filesystem::path& path) const;
 
  private:

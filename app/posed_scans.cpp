@@ -5,14 +5,14 @@
 #include <string>
 #include <utility>
 
-#include <evermap/io/io_error.hpp>
+#include <evermap/files/file_error.hpp>
 
 namespace evermap {
 
 PosedScans::PosedScans(const std::filesystem::path& scans, const std::filesystem::path& poses)
     : scans_(scans), poses_(read_poses(poses)) {
   if (poses_.size() == scans_.size()) return;
-  throw IoError(poses, "has " + std::to_string(poses_.size()) + " poses for the " +
+  throw FileError(poses, "has " + std::to_string(poses_.size()) + " poses for the " +
                            std::to_string(scans_.size()) + " scans of " + scans.string() +
                            "; give one pose for each scan");
 }

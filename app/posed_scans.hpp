@@ -21,7 +21,7 @@ struct PosedScan {
 /// Scans with the poses of a trajectory file, one to one. The trajectory wins over poses in the scans' files.
 class PosedScans {
  public:
-  /// Throws IoError when one cannot be read or their numbers differ.
+  /// Throws FileError when one cannot be read or their numbers differ.
   PosedScans(const std::filesystem::path& scans, const std::filesystem::path& poses);
 
   std::size_t size() const { return scans_.size(); }

@@ -57,7 +57,10 @@ Json to_json(const PointCounts& points) {
 
 Json to_json(const Run& run) {
   return {{"scans",
-           {{"done", run.scans_done}, {"total", run.scans_total}, {"interrupted", run.was_interrupted()}}},
+           {{"done", run.scans_done},
+            {"total", run.scans_total},
+            {"empty", run.scans_empty},
+            {"interrupted", run.was_interrupted()}}},
           {"points", to_json(run.points)},
           {"seconds_per_scan", {{"wall", to_json(Spread(run.wall))}, {"cpu", to_json(Spread(run.cpu))}}}};
 }
@@ -90,7 +93,9 @@ std::string to_text(const Run& run) {
   const std::string interrupted = run.was_interrupted() ? fmt::format("interrupted after {} of {} scans\n",
                                                                       run.scans_done, run.scans_total)
                                                         : "";
-  return interrupted + fmt::format("scans    {} of {}\n", run.scans_done, run.scans_total) +
+  const std::string empty =
+      run.scans_empty > 0 ? fmt::format("; {} without a usable point skipped", run.scans_empty) : "";
+  return interrupted + fmt::format("scans    {} of {}{}\n", run.scans_done, run.scans_total, empty) +
          to_text(run.points) + "wall     per scan: " + to_text(Spread(run.wall)) + "\n" +
          "CPU      per scan: " + to_text(Spread(run.cpu)) + "\n";
 }
@@ -100,7 +105,8 @@ std::string to_text(const ChangeReport& report) {
   return fmt::format(
              "map      {}\n"
              "leaves   {} before, {} after: {} added, {} removed, {} moved; {} more pending\n"
-             "         {} came and {} went where a leaf beside them shows the same surface\n",
+             "         {} more came and {} more went at the border of voxels, where the neighbouring leaf shows the "
+             "same surface\n",
              report.map.string(), report.before.occupied, report.after.occupied, difference.added.size(),
              difference.removed.size(), difference.moved.size(), report.after.pending,
              difference.border_added, difference.border_removed) +

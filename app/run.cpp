@@ -11,9 +11,9 @@
 #include <oneapi/tbb/task_arena.h>
 #include <spdlog/spdlog.h>
 
-#include "experiments/machine.hpp"
+#include "cpu_time.hpp"
 #include "progress_bar.hpp"
-#include <evermap/io/io_error.hpp>
+#include <evermap/files/file_error.hpp>
 
 namespace evermap {
 namespace {
@@ -28,30 +28,12 @@ double wall_seconds() {
 
 }  // namespace
 
-PointCounts::PointCounts(const Scan& scan, const ScanSummary& summary)
-    : total(summary.points + scan.dropped_not_finite + scan.dropped_at_origin),
-      used(summary.points - summary.dropped_near - summary.dropped_far - summary.dropped_out_of_grid),
-      not_finite(scan.dropped_not_finite),
-      at_origin(scan.dropped_at_origin),
-      near(summary.dropped_near),
-      far(summary.dropped_far),
-      out_of_grid(summary.dropped_out_of_grid) {}
-
-PointCounts& PointCounts::operator+=(const PointCounts& other) {
-  for (const auto count :
-       {&PointCounts::total, &PointCounts::used, &PointCounts::not_finite, &PointCounts::at_origin,
-        &PointCounts::near, &PointCounts::far, &PointCounts::out_of_grid}) {
-    this->*count += other.*count;
-  }
-  return *this;
-}
-
 void check_any_used(const PointCounts& points, const std::filesystem::path& file) {
   if (points.used > 0) return;
-  throw IoError(
+  throw FileError(
       file,
       fmt::format("no usable point among {}: {} not finite, {} at the origin, {} nearer than min range, "
-                  "{} farther than max range, {} beyond the grid; leave the scan and its pose out",
+                  "{} farther than max range, {} beyond the grid; check the ranges and the scans",
                   points.total, points.not_finite, points.at_origin, points.near, points.far,
                   points.out_of_grid));
 }
@@ -67,14 +49,15 @@ Run run_over(std::size_t scans, int threads, const std::function<void(const Take
   Run run;
   run.scans_total = scans;
   const ProgressBar bar(scans);
-  const TakeScan take = [&run](const Scan& scan, const Work& work) {
+  const TakeScan take = [&run](const Work& work) {
     const double wall = wall_seconds();
     const double cpu = cpu_seconds();
-    const PointCounts points(scan, work());
+    ScanResult result = work();
     run.wall.push_back(wall_seconds() - wall);
     run.cpu.push_back(cpu_seconds() - cpu);
-    run.points += points;
-    return points;
+    run.points += result.points;
+    run.scans_empty += result.reject_reason == RejectReason::kNoUsablePoint ? 1 : 0;
+    return result;
   };
   arena.execute([&] {
     while (run.scans_done < scans && !g_stop_requested) {
@@ -85,13 +68,20 @@ Run run_over(std::size_t scans, int threads, const std::function<void(const Take
   return run;
 }
 
-Run run_over(PosedScans& scans, int threads, const UpdateMap& update) {
-  return run_over(scans.size(), threads, [&](const TakeScan& take) {
+Run run_over(PosedScans& scans, int threads, MapMaintainer& maintainer) {
+  std::filesystem::path last;
+  Run run = run_over(scans.size(), threads, [&](const TakeScan& take) {
     const PosedScan posed = scans.next().value();
-    const PointCounts points = take(posed.scan, [&] { return update(posed.scan, posed.T_map_sensor); });
-    check_any_used(points, posed.file);
-    spdlog::debug("{}: {} points used", posed.file.string(), points.used);
+    last = posed.file;
+    const ScanResult result = take([&] { return maintainer.process(posed.scan, posed.T_map_sensor); });
+    if (result.reject_reason == RejectReason::kNone) {
+      spdlog::debug("{}: {} points used", posed.file.string(), result.points.used);
+    } else {
+      spdlog::warn("{}: skipped, it {}", posed.file.string(), to_string(result.reject_reason));
+    }
   });
+  if (!run.was_interrupted()) check_any_used(run.points, last);
+  return run;
 }
 
 }  // namespace evermap

@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 #include <system_error>
-#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -17,10 +16,9 @@
 
 #include "progress_bar.hpp"
 #include "verbs.hpp"
-#include <evermap/evaluation/ray_coverage.hpp>
-#include <evermap/geometry/voxel_key.hpp>
+#include <evermap/evaluation/observed_surface.hpp>
+#include <evermap/files/file_error.hpp>
 #include <evermap/io/atomic_file.hpp>
-#include <evermap/io/io_error.hpp>
 #include <evermap/io/pcd.hpp>
 #include <evermap/io/ply.hpp>
 #include <evermap/io/poses.hpp>
@@ -75,11 +73,11 @@ void check_folder(const std::filesystem::path& folder) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(folder, error);
   if (!std::filesystem::exists(status)) return;
-  if (!std::filesystem::is_directory(status)) throw IoError(folder, "is no folder; name another");
+  if (!std::filesystem::is_directory(status)) throw FileError(folder, "is no folder; name another");
   if (std::filesystem::is_empty(folder, error) && !error) return;
   if (!is_ours(folder)) {
-    throw IoError(folder,
-                  "holds files that evermap simulate did not write; name another folder, or an empty one");
+    throw FileError(folder,
+                    "holds files that evermap simulate did not write; name another folder, or an empty one");
   }
 }
 
@@ -107,7 +105,7 @@ void prepare_folder(const Options& options, const ScenarioDrive& drive) {
     clear(options.folder);
     std::filesystem::create_directories(options.folder / "scans");
   } catch (const std::filesystem::filesystem_error& error) {
-    throw IoError(options.folder, "cannot be prepared: " + error.code().message());
+    throw FileError(options.folder, "cannot be prepared: " + error.code().message());
   }
   const Scenario& scenario = drive.scenario();
   write_text(options.folder / "scenario.yaml",
@@ -146,41 +144,20 @@ void write_truth(const std::filesystem::path& path, const std::vector<SurfaceSam
   write_ply(path, table);
 }
 
-/// Where the rays of a run ended, one point for each small cube: a robot that stands still would otherwise
-/// fill the memory with the same.
-class RayEnds {
- public:
-  void add(const Points& ends) {
-    for (const Eigen::Vector3d& end : ends) {
-      const auto key = grid_.key(end);
-      if (key && seen_.insert(key->bits()).second) rays_.ends.push_back(end);
-    }
-  }
-  Points observed_of(const Points& points) const { return observed(points, {rays_}, kObservedReach); }
-
- private:
-  VoxelGrid grid_{kObservedReach / 5};
-  std::unordered_set<std::uint64_t> seen_;
-  ScanRays rays_{Eigen::Vector3d::Zero(), {}};
-};
-
-/// Writes the truth at a scan: all, and what the run had observed by then.
-void write_truths(const std::filesystem::path& folder, const ScenarioDrive& drive, std::size_t index,
-                  double spacing, const RayEnds& ends) {
-  std::vector<SurfaceSample> samples = drive.truth(index, spacing);
-  write_truth(folder / fmt::format("truth_{:06}.ply", index), samples, drive);
+Points positions(const std::vector<SurfaceSample>& samples) {
   Points points;
   points.reserve(samples.size());
   for (const SurfaceSample& sample : samples) points.push_back(sample.p_map);
-  const Points seen = ends.observed_of(points);
-  // The observed ones come in the same order.
-  auto next = seen.begin();
-  std::erase_if(samples, [&](const SurfaceSample& sample) {
-    const bool is_seen = next != seen.end() && *next == sample.p_map;
-    if (is_seen) ++next;
-    return !is_seen;
-  });
-  write_truth(folder / fmt::format("truth_{:06}_observed.ply", index), samples, drive);
+  return points;
+}
+
+/// Writes the truth at a scan: all, and what the run had observed by then.
+void write_truths(const Options& options, const ScenarioDrive& drive, std::size_t index,
+                  const ObservedSurface& observed) {
+  std::vector<SurfaceSample> samples = drive.truth(index, options.spacing);
+  write_truth(options.folder / fmt::format("truth_{:06}.ply", index), samples, drive);
+  std::erase_if(samples, [&](const SurfaceSample& sample) { return !observed.is_observed(sample.p_map); });
+  write_truth(options.folder / fmt::format("truth_{:06}_observed.ply", index), samples, drive);
 }
 
 /// Writes scans [begin, end) side by side and gives their ray ends.
@@ -197,19 +174,20 @@ std::vector<Points> write_scans(const std::filesystem::path& folder, const Scena
 
 void write_drive(const Options& options, const ScenarioDrive& drive, const std::vector<std::size_t>& truths) {
   constexpr std::size_t kSideBySide = 16;
-  RayEnds ends;
+  ObservedSurface observed(kObservedReach);
+  for (const std::size_t index : truths) observed.add_surface(positions(drive.truth(index, options.spacing)));
   ProgressBar bar(drive.size());
   auto truth = truths.begin();
   for (std::size_t done = 0; done < drive.size();) {
     std::size_t end = std::min(done + kSideBySide, drive.size());
     if (truth != truths.end()) end = std::min(end, *truth + 1);
     for (const Points& of_scan : write_scans(options.folder, drive, done, end)) {
-      if (truth != truths.end()) ends.add(of_scan);
+      if (truth != truths.end()) observed.add_ends(of_scan);
     }
     done = end;
     bar.show(done);
     if (truth == truths.end() || done <= *truth) continue;
-    write_truths(options.folder, drive, *truth++, options.spacing, ends);
+    write_truths(options, drive, *truth++, observed);
   }
 }
 

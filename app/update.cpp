@@ -12,7 +12,6 @@
 #include <evermap/io/atomic_file.hpp>
 #include <evermap/io/map_file.hpp>
 #include <evermap/io/map_undo.hpp>
-#include <evermap/update/viewpoint.hpp>
 
 namespace evermap {
 namespace {
@@ -44,16 +43,14 @@ void write_report(const std::filesystem::path& folder, const ChangeReport& repor
 }
 
 void run(const Options& options) {
-  const UpdateParameters parameters = parameters_of(options.parameters);
+  const Parameters parameters = parameters_of(options.parameters);
   prepare_outputs(options);
   PosedScans scans(options.run.scans, options.run.poses);
-  Octree octree = load_map(options.map);
-  spdlog::info("{}: {} leaves", options.map.string(), octree.leaf_count());
-  const Octree before = octree;
-  Viewpoint viewpoint(parameters.standstill);
-  const Run run = run_over(scans, options.run.threads, [&](const Scan& scan, const Pose& T_map_sensor) {
-    return update(octree, scan, T_map_sensor, parameters, viewpoint.novelty(T_map_sensor));
-  });
+  MapMaintainer maintainer(load_map(options.map), parameters);
+  const Octree before = maintainer.map();
+  spdlog::info("{}: {} leaves", options.map.string(), before.leaf_count());
+  const Run run = run_over(scans, options.run.threads, maintainer);
+  const Octree octree = maintainer.map();
   if (options.undo_log) keep_for_undo(options.output);
   save_map(options.output, octree);
   const ChangeReport report{options.output, run, LeafCounts(before), LeafCounts(octree),

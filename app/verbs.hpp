@@ -17,8 +17,6 @@ void add_export(CLI::App& app);
 void add_info(CLI::App& app);
 void add_config(CLI::App& app);
 void add_evaluate(CLI::App& app);
-void add_demo(CLI::App& app);
-void add_experiment(CLI::App& app);
 void add_simulate(CLI::App& app);
 
 }  // namespace evermap

@@ -35,7 +35,7 @@ inline Drive drive_through_quarry(std::size_t count, std::size_t every = 1) {
 inline Octree map_of(const Drive& drive, double edge) {
   Octree octree(VoxelGrid{.edge = edge});
   for (std::size_t i = 0; i < drive.scans.size(); ++i) {
-    add_scan(octree, drive.scans[i], drive.T_map_sensor[i], UpdateParameters{});
+    add(octree, condense(drive.scans[i], drive.T_map_sensor[i], octree.grid(), {}), UpdateParameters{});
   }
   return octree;
 }

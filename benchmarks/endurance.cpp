@@ -17,10 +17,10 @@
 #include <fmt/core.h>
 #include <oneapi/tbb/global_control.h>
 
+#include "cpu_time.hpp"
 #include "drive.hpp"
-#include "experiments/machine.hpp"
-#include "plot.hpp"
-#include <evermap/update/guarded_map.hpp>
+#include "experiments/result_file.hpp"
+#include <evermap/maintenance/map_maintainer.hpp>
 
 namespace evermap {
 namespace {
@@ -40,9 +40,9 @@ double resident() {
   return 1e-6 * resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-double quantile(std::vector<double> values, double share) {
+double quantile(std::vector<double> values, double fraction) {
   std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+  return values[static_cast<std::size_t>(fraction * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
 /// Some scans in a row.
@@ -52,33 +52,32 @@ struct Stretch {
   double resident_mb, map_mb;
 };
 
-void plot(const std::filesystem::path& folder, const std::vector<Stretch>& stretches) {
-  const auto series = [&](const std::string& name, double Stretch::*value) {
-    Series s{.name = name, .x = {}, .y = {}};
-    for (const Stretch& stretch : stretches) {
-      s.x.push_back(stretch.scans_before);
-      s.y.push_back(stretch.*value);
-    }
-    return s;
+/// What experiments/report.py plots.
+Json figure_of(const std::vector<Stretch>& stretches) {
+  const auto points = [&](double Stretch::*value) {
+    Json points = Json::array();
+    for (const Stretch& stretch : stretches) points.push_back({stretch.scans_before, stretch.*value});
+    return points;
   };
-  const Plot time{"CPU time of a scan",
-                  {.label = "scans"},
-                  {.label = "[ms]", .low = 0},
-                  {series("median", &Stretch::median_ms), series("99 % are faster", &Stretch::p99_ms)},
-                  {},
-                  {}};
-  Plot memory{"Memory", {.label = "scans"}, {.label = "[MB]", .low = 0}, {}, {}, {}};
-  memory.series = {series("resident, without the scans", &Stretch::resident_mb),
-                   series("the map", &Stretch::map_mb)};
-  memory.series[0].style = 2;
-  memory.series[1].style = 3;
-  write_plot(folder / "endurance", {time, memory});
+  return {
+      {{"title", "CPU time of a scan"},
+       {"x", "scans"},
+       {"y", "[ms]"},
+       {"from_zero", true},
+       {"series", {{"median", points(&Stretch::median_ms)}, {"99 % are faster", points(&Stretch::p99_ms)}}}},
+      {{"title", "Memory"},
+       {"x", "scans"},
+       {"y", "[MB]"},
+       {"from_zero", true},
+       {"series",
+        {{"resident, without the scans", points(&Stretch::resident_mb)},
+         {"the map", points(&Stretch::map_mb)}}}}};
 }
 
 void run(const Options& options) {
   constexpr std::size_t kStretches = 50;
   const Drive drive = drive_through_quarry(600 / options.every, options.every);
-  GuardedMap map(Octree(VoxelGrid{.edge = options.leaf}), UpdateParameters{}, GuardParameters{});
+  MapMaintainer maintainer(Octree(VoxelGrid{.edge = options.leaf}));
   std::filesystem::create_directories(options.folder);
   const double resident_before = resident();
   std::vector<Stretch> stretches;
@@ -89,12 +88,12 @@ void run(const Options& options) {
   for (std::size_t scan = 0; scan < options.scans; ++scan) {
     const std::size_t at = scan % drive.scans.size();
     const double begin = cpu_seconds();
-    refused += map.update(drive.scans[at], drive.T_map_sensor[at]) ? 0 : 1;
+    refused += maintainer.process(drive.scans[at], drive.T_map_sensor[at]).is_written ? 0 : 1;
     recent.push_back(1e3 * (cpu_seconds() - begin));
     if ((scan + 1) % std::max<std::size_t>(1, options.scans / kStretches) != 0) continue;
     stretches.push_back({static_cast<double>(scan + 1), quantile(recent, 0.5), quantile(recent, 0.99),
                          resident() - resident_before,
-                         1e-6 * static_cast<double>(map.octree().memory_bytes())});
+                         1e-6 * static_cast<double>(maintainer.map().memory_bytes())});
     const Stretch& last = stretches.back();
     fmt::print("{:>8} {:>10.2f} {:>10.2f} {:>14.1f} {:>10.1f}\n", scan + 1, last.median_ms, last.p99_ms,
                last.resident_mb, last.map_mb);
@@ -110,7 +109,8 @@ void run(const Options& options) {
   fmt::print("resident memory after {:.0f} scans {:.1f} MB, at the end {:.1f} MB: {:+.2f} %\n",
              fifth.scans_before, fifth.resident_mb, stretches.back().resident_mb,
              100 * (stretches.back().resident_mb / fifth.resident_mb - 1));
-  plot(options.folder, stretches);
+  write_file(std::filesystem::path(options.folder) / "endurance.json",
+             dump({{"figures", {{"endurance", figure_of(stretches)}}}}));
 }
 
 }  // namespace
@@ -118,7 +118,7 @@ void run(const Options& options) {
 
 int main(int argc, char** argv) {
   evermap::Options options;
-  CLI::App app("Drives a loop again and again; reports time and memory, and plots both");
+  CLI::App app("Drives a loop again and again; reports time and memory");
   app.add_option("--leaf", options.leaf, "Leaf edge")
       ->type_name("METRES")
       ->check(CLI::Range(0.05, 2.0))
@@ -129,7 +129,7 @@ int main(int argc, char** argv) {
   app.add_option("--every", options.every, "Scans of the loop that are driven: every n-th")
       ->check(CLI::Range(1, 60))
       ->capture_default_str();
-  app.add_option("-o,--output", options.folder, "Folder of the plots")->capture_default_str();
+  app.add_option("-o,--output", options.folder, "Folder for the figures to plot")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism, 1);
   try {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Where the time of a scan goes, and how it grows with the leaf's size, the range, the rays, the map and
-// falls with threads: on a drive through the quarry, drawn as plots. What is compared takes turns scan by
+// falls with threads: on a drive through the quarry, for plots. What is compared takes turns scan by
 // scan, so that whatever else the machine does meets all alike.
 #include <algorithm>
 #include <chrono>
@@ -17,11 +17,11 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include "cpu_time.hpp"
 #include "drive.hpp"
-#include "experiments/machine.hpp"
-#include "plot.hpp"
+#include "experiments/result_file.hpp"
 #include <evermap/update/evidence.hpp>
-#include <evermap/update/meeting.hpp>
+#include <evermap/update/encounter.hpp>
 
 namespace evermap {
 namespace {
@@ -43,7 +43,7 @@ struct Variant {
   double x;  ///< its place on the axis
   Octree map;
   std::vector<Scan> scans;
-  UpdateParameters parameters{};
+  Parameters parameters{};
   int threads = 1;
 };
 
@@ -62,7 +62,7 @@ std::vector<Cost> take_turns(std::vector<Variant> variants, const std::vector<Po
       const double cpu_begin = cpu_seconds();
       const double wall_begin = wall_seconds();
       const ScanSummary summary = arena.execute(
-          [&] { return update(variant.map, variant.scans[scan], T_map_sensor[scan], variant.parameters); });
+          [&] { return update(variant.map, condense(variant.scans[scan], T_map_sensor[scan], variant.map.grid(), variant.parameters.lidar), variant.parameters.update); });
       wall[i].push_back(1e3 * (wall_seconds() - wall_begin));
       cpu[i].push_back(1e3 * (cpu_seconds() - cpu_begin));
       bundles[i].push_back(static_cast<double>(summary.bundles));
@@ -74,11 +74,17 @@ std::vector<Cost> take_turns(std::vector<Variant> variants, const std::vector<Po
   return costs;
 }
 
-Series series_of(const std::string& name, const std::vector<double>& x, const std::vector<Cost>& costs,
-                 double Cost::*value) {
-  Series series{.name = name, .x = x, .y = {}};
-  for (const Cost& cost : costs) series.y.push_back(cost.*value);
-  return series;
+/// Points of a line.
+Json line(const std::vector<double>& x, const std::vector<Cost>& costs, double Cost::*value) {
+  Json points = Json::array();
+  for (std::size_t i = 0; i < x.size(); ++i) points.push_back({x[i], costs[i].*value});
+  return points;
+}
+
+/// What experiments/report.py draws as one plot.
+Json panel(const std::string& title, const std::string& x, Json series, bool log_x = false) {
+  return {{"title", title},    {"x", x},         {"y", "median of a scan [ms]"},
+          {"from_zero", true}, {"log_x", log_x}, {"series", std::move(series)}};
 }
 
 void print(const std::string& what, const std::vector<Variant>& variants, const std::vector<Cost>& costs) {
@@ -96,17 +102,13 @@ std::vector<Cost> measure(const std::string& what, const std::vector<Variant>& v
   return costs;
 }
 
-Plot plot_of(const std::string& title, Axis x, std::vector<Series> series) {
-  return {title, std::move(x), {.label = "median of a scan [ms]", .low = 0}, std::move(series), {}, {}};
-}
-
 std::vector<double> places(const std::vector<Variant>& variants) {
   std::vector<double> x;
   for (const Variant& variant : variants) x.push_back(variant.x);
   return x;
 }
 
-Plot over_leaf_and_threads(const Drive& drive) {
+Json over_leaf_and_threads(const Drive& drive) {
   const std::vector<double> edges{1.0, 0.8, 0.6, 0.4, 0.2, 0.1};  // [m]
   std::vector<Cost> one, two;
   for (const double edge : edges) {
@@ -117,12 +119,13 @@ Plot over_leaf_and_threads(const Drive& drive) {
     one.push_back(costs[0]);
     two.push_back(costs[1]);
   }
-  return plot_of("Leaf size and threads", {.label = "leaf edge [m]", .is_logarithmic = true, .tics = edges},
-                 {series_of("one thread", edges, one, &Cost::wall_ms),
-                  series_of("two threads", edges, two, &Cost::wall_ms)});
+  return panel(
+      "Leaf size and threads", "leaf edge [m]",
+      {{"one thread", line(edges, one, &Cost::wall_ms)}, {"two threads", line(edges, two, &Cost::wall_ms)}},
+      /*log_x=*/true);
 }
 
-Plot over_range(const Drive& drive) {
+Json over_range(const Drive& drive) {
   const Octree map = map_of(drive, kEdge);
   std::vector<Variant> variants;
   for (const double range : {25.0, 50.0, 100.0, 200.0}) {
@@ -130,8 +133,7 @@ Plot over_range(const Drive& drive) {
     variants.back().parameters.lidar.max_range = range;
   }
   const std::vector<Cost> costs = measure("range [m]", variants, drive);
-  return plot_of("Range limit", {.label = "range [m]"},
-                 {series_of("one thread", places(variants), costs, &Cost::cpu_ms)});
+  return panel("Range limit", "range [m]", {{"one thread", line(places(variants), costs, &Cost::cpu_ms)}});
 }
 
 /// Every n-th point of each scan.
@@ -144,7 +146,7 @@ std::vector<Scan> thinned(const std::vector<Scan>& scans, std::size_t n) {
   return thin;
 }
 
-Plot over_rays(const Drive& drive) {
+Json over_rays(const Drive& drive) {
   const Octree map = map_of(drive, kEdge);
   std::vector<Variant> variants;
   for (const std::size_t n : {8U, 4U, 2U, 1U}) {
@@ -154,8 +156,7 @@ Plot over_rays(const Drive& drive) {
   const std::vector<Cost> costs = measure("points", variants, drive);
   std::vector<double> bundles;
   for (const Cost& cost : costs) bundles.push_back(cost.bundles);
-  return plot_of("Rays", {.label = "bundles a scan", .low = 0},
-                 {series_of("one thread", bundles, costs, &Cost::cpu_ms)});
+  return panel("Rays", "bundles a scan", {{"one thread", line(bundles, costs, &Cost::cpu_ms)}});
 }
 
 /// The map and `copies` - 1 more of it, side by side.
@@ -172,14 +173,13 @@ Octree repeated(const Octree& map, int copies) {
   return large;
 }
 
-Plot over_map_size(const Drive& drive) {
+Json over_map_size(const Drive& drive) {
   const Octree map = map_of(drive, kEdge);
   std::vector<Variant> variants;
   for (const int copies : {1, 2, 5, 10})
     variants.push_back({static_cast<double>(copies), repeated(map, copies), drive.scans});
   const std::vector<Cost> costs = measure("map's area", variants, drive);
-  return plot_of("Map size", {.label = "area, relative"},
-                 {series_of("one thread", places(variants), costs, &Cost::cpu_ms)});
+  return panel("Map size", "area, relative", {{"one thread", line(places(variants), costs, &Cost::cpu_ms)}});
 }
 
 /// What an update is made of, each part done by itself.
@@ -202,8 +202,8 @@ Stages stages_of(Octree& map, const Scan& scan, const Pose& T_map_sensor) {
   stages.align = cpu_milliseconds([&] { alignment_error(map, bundles); });
   std::optional<RayFan> fan;
   stages.sort =
-      cpu_milliseconds([&] { fan.emplace(map.grid(), bundles.origin_map, looked_at(bundles, parameters)); });
-  stages.meet = cpu_milliseconds([&] { meet(bundles, *fan, map.bricks_in(fan->voxels()), parameters); });
+      cpu_milliseconds([&] { fan.emplace(map.grid(), bundles.origin_map, looked_at(bundles)); });
+  stages.meet = cpu_milliseconds([&] { find_encounters(bundles, *fan, map.bricks_in(fan->voxels()), parameters); });
   Evidence evidence;
   const double trace_all = cpu_milliseconds([&] { evidence = trace(map, bundles, parameters); });
   stages.judge = std::max(0.0, trace_all - stages.align - stages.sort - stages.meet);
@@ -212,30 +212,29 @@ Stages stages_of(Octree& map, const Scan& scan, const Pose& T_map_sensor) {
 }
 
 /// Where the time goes: bars of each stage for some leaf sizes.
-Plot profile(const Drive& drive) {
+Json profile(const Drive& drive) {
   const std::vector<std::pair<const char*, double Stages::*>> parts{
       {"condense", &Stages::condense}, {"alignment error", &Stages::align}, {"sort rays", &Stages::sort},
       {"meet leaves", &Stages::meet},  {"judge", &Stages::judge},           {"apply", &Stages::apply}};
-  Plot plot{"Where the time goes", {}, {.label = "median of a scan [ms]", .low = 0}, {}, {}, {}};
-  for (const auto& part : parts) plot.groups.emplace_back(part.first);
+  Json plot = panel("Where the time goes", "", Json::object());
+  for (const auto& part : parts) plot["groups"].push_back(part.first);
   fmt::print("\n{:>8}", "leaf [m]");
-  for (const std::string& part : plot.groups) fmt::print(" {:>16}", part);
+  for (const auto& part : parts) fmt::print(" {:>16}", part.first);
   fmt::print("\n");
   for (const double edge : {1.0, 0.4, 0.2, 0.1}) {
     Octree map = map_of(drive, edge);
     std::vector<Stages> all;
     for (std::size_t i = 0; i < drive.scans.size(); ++i)
       all.push_back(stages_of(map, drive.scans[i], drive.T_map_sensor[i]));
-    Series series{.name = fmt::format("leaf {} m", edge), .y = {}};
+    Json& series = plot["series"][fmt::format("leaf {} m", edge)];
     fmt::print("{:>8}", edge);
     for (const auto& part : parts) {
       std::vector<double> milliseconds;
       for (const Stages& stages : all) milliseconds.push_back(stages.*part.second);
-      series.y.push_back(median(milliseconds));
-      fmt::print(" {:>16.2f}", series.y.back());
+      series.push_back(median(milliseconds));
+      fmt::print(" {:>16.2f}", series.back().get<double>());
     }
     fmt::print("\n");
-    plot.series.push_back(std::move(series));
   }
   return plot;
 }
@@ -243,12 +242,14 @@ Plot profile(const Drive& drive) {
 void run(std::size_t scans, const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
   const Drive drive = drive_through_quarry(scans);
+  Json figures;
   {
     const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism, 1);
-    write_plot(folder / "profile", profile(drive));
-    write_plot(folder / "growth", {over_range(drive), over_rays(drive), over_map_size(drive)});
+    figures["profile"] = Json::array({profile(drive)});
+    figures["growth"] = Json::array({over_range(drive), over_rays(drive), over_map_size(drive)});
   }
-  write_plot(folder / "threads", over_leaf_and_threads(drive));
+  figures["threads"] = Json::array({over_leaf_and_threads(drive)});
+  write_file(folder / "growth.json", dump({{"figures", figures}}));
 }
 
 }  // namespace
@@ -257,9 +258,9 @@ void run(std::size_t scans, const std::filesystem::path& folder) {
 int main(int argc, char** argv) {
   std::size_t scans = 40;
   std::string folder = "growth";
-  CLI::App app("Where the time of a scan goes, and how it grows; writes plots");
+  CLI::App app("Where the time of a scan goes, and how it grows");
   app.add_option("--scans", scans, "Scans of the drive")->check(CLI::Range(2, 600))->capture_default_str();
-  app.add_option("-o,--output", folder, "Folder of the plots")->capture_default_str();
+  app.add_option("-o,--output", folder, "Folder for the figures to plot")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
     evermap::run(scans, folder);

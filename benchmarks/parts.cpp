@@ -15,7 +15,7 @@
 #include <evermap/map/traversal.hpp>
 #include <evermap/update/evidence.hpp>
 #include <evermap/update/impact.hpp>
-#include <evermap/update/meeting.hpp>
+#include <evermap/update/encounter.hpp>
 
 namespace evermap {
 namespace {
@@ -78,10 +78,10 @@ void trace(benchmark::State& state, const UpdateParameters& parameters) {
   }
 }
 
-std::vector<Meeting> meetings_of(const Octree& octree, const BundleGrid& bundles) {
+std::vector<Encounter> meetings_of(const Octree& octree, const BundleGrid& bundles) {
   const UpdateParameters parameters;
-  const RayFan fan(octree.grid(), bundles.origin_map, looked_at(bundles, parameters));
-  return meet(bundles, fan, octree.bricks_in(fan.voxels()), parameters);
+  const RayFan fan(octree.grid(), bundles.origin_map, looked_at(bundles));
+  return find_encounters(bundles, fan, octree.bricks_in(fan.voxels()), parameters);
 }
 
 /// Judging all that one scan's rays meet.
@@ -89,18 +89,18 @@ void impact(benchmark::State& state) {
   const Setting at = setting(state);
   const BundleGrid bundles = bundles_of(at).front();
   const UpdateParameters parameters;
-  const std::vector<Meeting> meetings = meetings_of(at.octree, bundles);
+  const std::vector<Encounter> encounters = meetings_of(at.octree, bundles);
   const double error = alignment_error(at.octree, bundles);
   for (auto _ : state) {
     double sum = 0;
-    for (const Meeting& met : meetings) {
+    for (const Encounter& met : encounters) {
       const Ray ray{bundles.origin_map, met.target.end_map};
       sum += impact(at.octree.gaussian(met.key, *met.leaf), ray,
                     bundles.bundles()[met.bundle].points.covariance, met.target.until, error, parameters);
     }
     benchmark::DoNotOptimize(sum);
   }
-  state.counters["meetings"] = static_cast<double>(meetings.size());
+  state.counters["encounters"] = static_cast<double>(encounters.size());
 }
 
 void apply(benchmark::State& state) {
@@ -117,7 +117,7 @@ void update(benchmark::State& state, const UpdateParameters& parameters) {
   Setting at = setting(state);
   std::size_t i = 0;
   for (auto _ : state) {
-    update(at.octree, at.drive.scans[i], at.drive.T_map_sensor[i], parameters);
+    update(at.octree, condense(at.drive.scans[i], at.drive.T_map_sensor[i], at.octree.grid(), {}), parameters);
     i = (i + 1) % kScans;
   }
 }
@@ -128,8 +128,8 @@ void update(benchmark::State& state, const UpdateParameters& parameters) {
 void floor(benchmark::State& state) {
   const Setting at = setting(state);
   const std::vector<BundleGrid> scans = bundles_of(at);
-  std::vector<std::vector<Meeting>> meetings;
-  for (const BundleGrid& bundles : scans) meetings.push_back(meetings_of(at.octree, bundles));
+  std::vector<std::vector<Encounter>> encounters;
+  for (const BundleGrid& bundles : scans) encounters.push_back(meetings_of(at.octree, bundles));
   std::vector<std::uint64_t> table;
   std::size_t i = 0;
   double sum = 0;
@@ -142,7 +142,7 @@ void floor(benchmark::State& state) {
       while (table[slot] != 0 && table[slot] != key) slot = (slot + 1) & (table.size() - 1);
       table[slot] = key;
     }
-    for (const Meeting& met : meetings[i]) {
+    for (const Encounter& met : encounters[i]) {
       const Ray ray{scans[i].origin_map, met.target.end_map};
       sum += closest_approach(ray, at.octree.gaussian(met.key, *met.leaf)).mahalanobis_squared;
     }
@@ -170,7 +170,7 @@ const Octree& large_map() {
         row.p_sensor.emplace_back(kEdge * (x + 0.5), kEdge * (y + 0.5),
                                   2 * std::sin(0.01 * x) + std::cos(0.02 * y));
       }
-      add_cloud(octree, row, Pose{}, UpdateParameters{});
+      add_cloud(octree, row, Pose{}, {}, UpdateParameters{});
     }
     return octree;
   }();

@@ -84,7 +84,7 @@ Octree map_of_survey(double edge) {
   Octree map(VoxelGrid{.edge = edge});
   Scan cloud;
   cloud.p_sensor = setting().survey;
-  add_cloud(map, cloud, Pose{}, UpdateParameters{});
+  add_cloud(map, cloud, Pose{}, {}, UpdateParameters{});
   return map;
 }
 

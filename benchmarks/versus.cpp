@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 // How long a scan takes in evermap and in other maps: the same scans of the same quarry, one thread, CPU
-// time, in turns.
+// time, in turns, from the map of the survey and from empty maps.
 #include <algorithm>
 #include <memory>
 #include <stdexcept>
@@ -10,12 +10,11 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include "drive.hpp"
 #include "experiments/machine.hpp"
-#include "experiments/race.hpp"
-#include <evermap/evaluation/contender.hpp>
+#include "experiments/result_file.hpp"
+#include "experiments/timed_turns.hpp"
 
 namespace evermap {
 namespace {
@@ -44,89 +43,92 @@ std::size_t default_scans(double leaf) { return leaf < 0.15 ? 15 : leaf < 0.3 ? 
 
 Times summarize(std::vector<double> seconds) {
   std::sort(seconds.begin(), seconds.end());
-  const auto at = [&](double share) {
-    return 1e3 * seconds[static_cast<std::size_t>(share * static_cast<double>(seconds.size() - 1) + 0.5)];
+  const auto at = [&](double fraction) {
+    return 1e3 * seconds[static_cast<std::size_t>(fraction * static_cast<double>(seconds.size() - 1) + 0.5)];
   };
   return {at(0.5), at(0.1), at(0.9)};
 }
 
-using Contenders = std::vector<std::unique_ptr<Contender>>;
-
-/// All begin with an empty map.
-Contenders contenders(const std::vector<std::string>& against, double leaf) {
-  Contenders all;
+/// They begin with the survey, or, when it is empty, with empty maps.
+Mappers mappers_of(const std::vector<std::string>& against, double leaf, const Points& survey) {
   std::vector<std::string> names{"evermap default", "evermap paper"};
   names.insert(names.end(), against.begin(), against.end());
-  for (const std::string& name : names) {
-    all.push_back(make_contender(name, leaf));
-    if (!all.back()) throw std::runtime_error(name + " was not found when evermap was built");
+  Mappers mappers = mappers_named(names, leaf, {});
+  for (std::size_t i = 0; i < mappers.size(); ++i) {
+    if (!mappers[i]) throw std::runtime_error(names[i] + " was not found when evermap was built");
+    mappers[i]->start(survey);
   }
-  return all;
+  return mappers;
 }
 
-std::vector<Result> compete(const Contenders& contenders, const Drive& drive, std::size_t scans) {
-  const auto seconds = race(contenders, scans, [&](std::size_t scan) {
+std::vector<Result> time_mappers(const Mappers& mappers, const Drive& drive, std::size_t scans) {
+  const auto seconds = time_in_turns(mappers, scans, [&](std::size_t scan) {
     return AlignedScan{drive.scans[scan], drive.T_map_sensor[scan]};
   });
   std::vector<Result> results;
-  for (std::size_t c = 0; c < contenders.size(); ++c) {
-    results.push_back({contenders[c]->name(), summarize(seconds[c]), contenders[c]->memory_bytes()});
+  for (std::size_t c = 0; c < mappers.size(); ++c) {
+    results.push_back({mappers[c]->name(), summarize(seconds[c]), mappers[c]->memory_bytes()});
   }
   return results;
 }
 
-nlohmann::ordered_json describe() {
+Json describe() {
   return {{"cpu", processor()},
           {"compiler", compiler()},
           {"flags", EVERMAP_FLAGS},
           {"evermap", EVERMAP_VERSION},
-          {"octomap", make_contender("OctoMap", 1)->version()},
+          {"octomap", make_mapper("OctoMap", 1)->version()},
           {"threads", 1},
           {"clock", "CPU time of the process"},
           {"data", "scenario quarry, 64 x 1024 beams, some 42,000 returns a scan, 200 m range"}};
 }
 
-void print(double leaf, std::size_t scans, const std::vector<Result>& results) {
-  const double reference = results[2].times.median;
+void print(double leaf, const char* start, std::size_t scans, const std::vector<Result>& results) {
+  const Result& reference = results[2];
   for (const Result& r : results) {
-    fmt::print("{:4.1f} {:6} {:20} {:9.2f} {:9.2f} {:9.2f} {:10.1f} {:10.1f}\n", leaf, scans, r.name,
-               r.times.median, r.times.low, r.times.high, reference / r.times.median,
-               static_cast<double>(r.memory_bytes) / 1e6);
+    fmt::print("{:4.1f} {:6} {:6} {:20} {:9.2f} {:9.2f} {:9.2f} {:10.1f} {:10.1f} {:10.1f}\n", leaf, start,
+               scans, r.name, r.times.median, r.times.low, r.times.high,
+               reference.times.median / r.times.median, static_cast<double>(r.memory_bytes) / 1e6,
+               static_cast<double>(reference.memory_bytes) / static_cast<double>(r.memory_bytes));
   }
   std::fflush(stdout);  // the next leaf size may take minutes
 }
 
-nlohmann::ordered_json to_json(double leaf, std::size_t scans, const std::vector<Result>& results) {
-  nlohmann::ordered_json json = {{"leaf_m", leaf}, {"scans", scans}, {"contenders", {}}};
+Json to_json(double leaf, const char* start, std::size_t scans, const std::vector<Result>& results) {
+  Json json = {{"leaf_m", leaf}, {"start", start}, {"scans", scans}, {"mappers", Json::array()}};
   for (const Result& r : results) {
-    json["contenders"].push_back({{"name", r.name},
-                                  {"median_ms", r.times.median},
-                                  {"p10_ms", r.times.low},
-                                  {"p90_ms", r.times.high},
-                                  {"ratio", results[2].times.median / r.times.median},
-                                  {"memory_bytes", r.memory_bytes}});
+    json["mappers"].push_back({{"name", r.name},
+                               {"median_ms", r.times.median},
+                               {"p10_ms", r.times.low},
+                               {"p90_ms", r.times.high},
+                               {"ratio", results[2].times.median / r.times.median},
+                               {"memory_bytes", r.memory_bytes}});
   }
   return json;
 }
 
 void run_all(const Options& options) {
-  nlohmann::ordered_json report = describe();
+  Json report = describe();
   for (const auto& [key, value] : report.items()) fmt::print("{:9} {}\n", key, value.dump());
-  fmt::print("\n{:>4} {:>6} {:20} {:>9} {:>9} {:>9} {:>10} {:>10}\n", "leaf", "scans", "", "median", "10 %",
-             "90 %", "ratio", "map");
-  fmt::print("{:>4} {:>6} {:20} {:>9} {:>9} {:>9} {:>10} {:>10}\n", "[m]", "", "", "[ms]", "[ms]", "[ms]", "",
-             "[MB]");
+  constexpr const char* kHead = "{:>4} {:6} {:>6} {:20} {:>9} {:>9} {:>9} {:>10} {:>10} {:>10}\n";
+  fmt::print("\n");
+  fmt::print(kHead, "leaf", "from", "scans", "", "median", "10 %", "90 %", "faster by", "map", "smaller by");
+  fmt::print(kHead, "[m]", "", "", "", "[ms]", "[ms]", "[ms]", "", "[MB]", "");
   const Drive drive = drive_through_quarry(std::max(options.scans, kMostScans));
+  const ScenarioDrive quarry(shipped_scenario("quarry"));
   for (const double leaf : options.leaves) {
     const std::size_t scans = options.scans > 0 ? options.scans : default_scans(leaf);
-    const std::vector<Result> results = compete(contenders(options.against, leaf), drive, scans);
-    print(leaf, scans, results);
-    report["leaves"].push_back(to_json(leaf, scans, results));
+    for (const bool has_survey : {true, false}) {
+      const char* start = has_survey ? "survey" : "empty";
+      const Points survey = has_survey ? quarry.survey(std::max(0.1, leaf / 4)) : Points{};
+      const std::vector<Result> results =
+          time_mappers(mappers_of(options.against, leaf, survey), drive, scans);
+      print(leaf, start, scans, results);
+      report["leaves"].push_back(to_json(leaf, start, scans, results));
+    }
   }
   if (options.json.empty()) return;
-  std::ofstream file(options.json);
-  file << report.dump(2) << '\n';
-  if (!file.flush()) throw std::runtime_error(options.json + ": cannot be written");
+  write_file(options.json, dump(report));
 }
 
 }  // namespace
@@ -136,8 +138,8 @@ int main(int argc, char** argv) {
   evermap::Options options;
   CLI::App app("Times evermap and other maps on the same scans, one thread, CPU time");
   app.add_option("--leaf", options.leaves, "Leaf edges")->type_name("METRES")->check(CLI::Range(0.05, 2.0));
-  app.add_option("--against", options.against, "Contenders; the first is what ratios are taken to")
-      ->check(CLI::IsMember(evermap::contender_names()))
+  app.add_option("--against", options.against, "Mappers; the first is what ratios are taken to")
+      ->check(CLI::IsMember(evermap::mapper_names()))
       ->capture_default_str();
   app.add_option("--scans", options.scans, "Scans of the drive; the first third is not counted")
       ->check(CLI::Range(3, 1000));

@@ -1,11 +1,14 @@
 # SPDX-FileCopyrightText: 2026 the evermap authors
 # SPDX-License-Identifier: BSD-3-Clause
-# evermap_module(NAME SOURCES... DEPENDS modules... LINKS external... [PRIVATE_LINKS external...])
+# evermap_module(NAME SOURCES... DEPENDS modules... LINKS external... [PRIVATE_LINKS external...] [FOLDER folder])
 # One folder of src/evermap is one target; DEPENDS is the whole of what its headers may include (tests/layering
-# checks the includes against the same table).
+# checks the includes). FOLDER names the folder of a second target, for sources that need a package of their own.
 function(evermap_module name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LINKS;PRIVATE_LINKS" ${ARGN})
-  list(TRANSFORM ARG_SOURCES PREPEND "${PROJECT_SOURCE_DIR}/src/evermap/${name}/")
+  cmake_parse_arguments(ARG "" "FOLDER" "SOURCES;DEPENDS;LINKS;PRIVATE_LINKS" ${ARGN})
+  if(NOT ARG_FOLDER)
+    set(ARG_FOLDER ${name})
+  endif()
+  list(TRANSFORM ARG_SOURCES PREPEND "${PROJECT_SOURCE_DIR}/src/evermap/${ARG_FOLDER}/")
   add_library(evermap_${name} STATIC ${ARG_SOURCES})
   add_library(evermap::${name} ALIAS evermap_${name})
   set_target_properties(evermap_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)

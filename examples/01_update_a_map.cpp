@@ -4,8 +4,8 @@
 #include <cstdio>
 
 #include <evermap/io/map_file.hpp>
+#include <evermap/maintenance/map_maintainer.hpp>
 #include <evermap/map/map_difference.hpp>
-#include <evermap/update/map_updater.hpp>
 
 using namespace evermap;
 
@@ -26,14 +26,15 @@ Scan look_at_wall(bool with_hole) {
 }  // namespace
 
 int main() {
-  const Pose T_map_sensor;            // the sensor stands in the origin of the map frame
-  const UpdateParameters parameters;  // the default mode
+  const Pose T_map_sensor;  // the sensor stands in the origin of the map frame
 
-  Octree map(VoxelGrid::around(T_map_sensor.translation, 0.2));
-  for (int i = 0; i < 5; ++i) add_scan(map, look_at_wall(false), T_map_sensor, parameters);
-  const Octree before = map;
+  MapMaintainer mapper(Octree(VoxelGrid::around(T_map_sensor.translation, 0.2)), {}, MapMode::kMapping);
+  for (int i = 0; i < 5; ++i) mapper.process(look_at_wall(false), T_map_sensor);
+  const Octree before = mapper.map();
 
-  for (int i = 0; i < 10; ++i) update(map, look_at_wall(true), T_map_sensor, parameters);
+  MapMaintainer maintainer(before);
+  for (int i = 0; i < 10; ++i) maintainer.process(look_at_wall(true), T_map_sensor);
+  const Octree map = maintainer.map();
 
   const MapDifference changes = compare(before, map);
   std::printf("leaves before  %zu\n", before.leaf_count());

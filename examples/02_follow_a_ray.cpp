@@ -26,7 +26,7 @@ Scan survey() {
 
 int main() {
   Octree map(VoxelGrid{.edge = 0.2});
-  add_scan(map, survey(), Pose{}, UpdateParameters{});
+  add_cloud(map, survey(), Pose{}, {}, {});
 
   const Ray ray{.origin = {0, 0.1, 1.1}, .end = {20, 0.1, 1.1}};
   std::vector<double> entries;  // [m] from the ray's origin

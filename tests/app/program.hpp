@@ -8,7 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "io/file_fixture.hpp"
+#include "files/file_fixture.hpp"
 
 namespace evermap {
 
@@ -85,7 +85,8 @@ class ProgramTest : public FileTest {
     const Result result = run(arguments);
     EXPECT_EQ(result.exit_code, 1) << text;
     EXPECT_EQ(result.out, "") << text;
-    EXPECT_TRUE(result.err.starts_with("evermap: ")) << result.err;
+    const std::string program = std::filesystem::path(EVERMAP_PROGRAM).filename();
+    EXPECT_TRUE(result.err.starts_with(program + ": ")) << result.err;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     EXPECT_NE(result.err.find(text), std::string::npos) << result.err << "lacks: " << text;
     EXPECT_FALSE(std::filesystem::exists(path("out.evm"))) << text;

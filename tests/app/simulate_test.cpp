@@ -82,7 +82,7 @@ TEST_F(SimulateTest, KnowsTheShippedScenariosByName) {
   expect_done(simulate("yard", "run", {"--scans", "1"}));
   EXPECT_TRUE(std::filesystem::exists(path("run/truth_000000_observed.ply")));
   expect_failed(simulate("yart", "other"),
-                "there is no scenario yart; shipped are passing quarry street yard");
+                "yart: is no shipped scenario; there are passing quarry street yard");
 }
 
 TEST_F(SimulateTest, ReplacesItsOwnFolderAndNoOther) {

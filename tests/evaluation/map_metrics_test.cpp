@@ -112,8 +112,8 @@ RC_GTEST_PROP(MapMetrics, AccuraciesOfCountedPoints, (unsigned seed)) {
   int erased = 0;
   for (const auto& p : unchanged) kept += claim(p) ? 1 : 0;
   for (const auto& p : removed) erased += claim(p) ? 0 : 1;
-  const double sa = share_true(unchanged, claim);
-  const double da = 1 - share_true(removed, claim);
+  const double sa = fraction_true(unchanged, claim);
+  const double da = 1 - fraction_true(removed, claim);
   RC_ASSERT(std::abs(sa - kept / 50.0) < 1e-12);
   RC_ASSERT(std::abs(da - erased / 50.0) < 1e-12);
   RC_ASSERT(std::abs(std::pow(associated_accuracy(sa, da), 2) * 2500 - kept * erased) < 1e-9);
@@ -132,10 +132,10 @@ TEST(MapMetrics, NoMapWinsByKeepingOrErasingEverything) {
   EXPECT_DOUBLE_EQ(harmonic_accuracy(0.9, 0.6), 0.72);
 }
 
-TEST(MapMetrics, ShareTrueCountsThePredicate) {
+TEST(MapMetrics, FractionTrueCountsThePredicate) {
   const Points points{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
-  EXPECT_DOUBLE_EQ(share_true(points, [](const auto& p) { return p.x() > 0.5; }), 0.75);
-  EXPECT_TRUE(std::isnan(share_true({}, [](const auto&) { return true; })));
+  EXPECT_DOUBLE_EQ(fraction_true(points, [](const auto& p) { return p.x() > 0.5; }), 0.75);
+  EXPECT_TRUE(std::isnan(fraction_true({}, [](const auto&) { return true; })));
 }
 
 }  // namespace

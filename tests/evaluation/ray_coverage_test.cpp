@@ -143,12 +143,5 @@ TEST(Contradictable, TakesFourRays) {
   EXPECT_EQ(contradictable(points, grid, scans(4)), Points{points[0]});
 }
 
-TEST(Observed, IsWhatLiesNearTheEndOfARay) {
-  const Points points{{1, 0, 0}, {5, 0, 0}};
-  const std::vector<ScanRays> scans{{{0, 0, 0}, {{5.1, 0, 0}}}, {{0, 9, 0}, {{0, 8, 0}}}};
-  EXPECT_EQ(observed(points, scans, 0.2), Points{points[1]});
-  EXPECT_TRUE(observed(points, {}, 0.2).empty());
-}
-
 }  // namespace
 }  // namespace evermap

@@ -104,6 +104,28 @@ TEST(VoxelKey, OrderGroupsByBlockThenBrick) {
   }
 }
 
+TEST(VoxelKey, IsPutTogetherFromItsParts) {
+  Random random(6);
+  for (int i = 0; i < 10000; ++i) {
+    const VoxelKey key = VoxelKey::from_voxel(random_voxel(random));
+    ASSERT_TRUE(VoxelKey::is_block(key.block()));
+    const VoxelKey block = VoxelKey::first_of_block(key.block());
+    const VoxelKey brick = key.first_of_brick(key.brick_in_block());
+    EXPECT_EQ(block.first_of_brick(key.brick_in_block()), brick);
+    EXPECT_EQ(brick.with_voxel(key.voxel_in_brick()), key);
+    EXPECT_EQ(block.with_voxel_in_block(key.voxel_in_block()), key);
+    const Vector3i in_block = key.voxel() - block.voxel();
+    const Vector3i in_brick = key.voxel() - brick.voxel();
+    EXPECT_TRUE(in_block.minCoeff() >= 0 && in_block.maxCoeff() < VoxelKey::kBlockEdge);
+    EXPECT_TRUE(in_brick.minCoeff() >= 0 && in_brick.maxCoeff() < VoxelKey::kBrickEdge);
+    // Whichever voxel of a brick or block is asked, the answer is the same.
+    const VoxelKey other = key.with_voxel(random.integer(0, 511));
+    EXPECT_EQ(other.first_of_brick(other.brick_in_block()), brick);
+    EXPECT_EQ(other.with_voxel_in_block(key.voxel_in_block()), key);
+  }
+  EXPECT_FALSE(VoxelKey::is_block(std::uint64_t{1} << 46));
+}
+
 TEST(HashBits, SpreadsNeighbouringKeys) {
   std::set<std::uint64_t> low_bits;
   for (std::uint64_t i = 0; i < 1024; ++i) low_bits.insert(hash_bits(i << 18) & 1023);

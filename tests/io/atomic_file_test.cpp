@@ -5,7 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "io/file_fixture.hpp"
+#include "files/file_fixture.hpp"
 #include <evermap/io/atomic_file.hpp>
 
 namespace evermap {
@@ -118,30 +118,30 @@ TEST_F(AtomicFileTest, DanglingLinkGetsItsTarget) {
 TEST_F(AtomicFileTest, LinksInACircleAreRefused) {
   fs::create_symlink("b", path("a"));
   fs::create_symlink("a", path("b"));
-  io_error(path("a"), "too many symbolic links", [&] { AtomicFile file(path("a")); });
+  file_error(path("a"), "too many symbolic links", [&] { AtomicFile file(path("a")); });
 }
 
 TEST_F(AtomicFileTest, WhatIsNoRegularFileIsRefused) {
-  io_error(folder_, "is a folder", [&] { AtomicFile file(folder_); });
-  io_error("/dev/full", "is a device", [] { AtomicFile file("/dev/full"); });
+  file_error(folder_, "is a folder", [&] { AtomicFile file(folder_); });
+  file_error("/dev/full", "is a device", [] { AtomicFile file("/dev/full"); });
   ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
-  io_error(path("pipe"), "is a device, pipe", [&] { AtomicFile file(path("pipe")); });
+  file_error(path("pipe"), "is a device, pipe", [&] { AtomicFile file(path("pipe")); });
   EXPECT_EQ(files_in_folder(), 1U);
 }
 
 TEST_F(AtomicFileTest, PathsThatNameNoFileAreRefused) {
-  io_error("", "names no file", [] { AtomicFile file(""); });
-  io_error(path("none/"), "names no file", [&] { AtomicFile file(path("none/")); });
-  io_error(path("none/map"), "No such file or directory", [&] { AtomicFile file(path("none/map")); });
+  file_error("", "names no file", [] { AtomicFile file(""); });
+  file_error(path("none/"), "names no file", [&] { AtomicFile file(path("none/")); });
+  file_error(path("none/map"), "No such file or directory", [&] { AtomicFile file(path("none/map")); });
   make("file", "x");
-  io_error(path("file/map"), "Not a directory", [&] { AtomicFile file(path("file/map")); });
+  file_error(path("file/map"), "Not a directory", [&] { AtomicFile file(path("file/map")); });
 }
 
 TEST_F(AtomicFileTest, WriteProtectedFileSurvives) {
   fs::permissions(folder_, fs::perms(0777));
   fs::permissions(make("map", "old"), fs::perms(0444));
   const Unprivileged unprivileged;
-  io_error(path("map"), "Permission denied", [&] { AtomicFile file(path("map")); });
+  file_error(path("map"), "Permission denied", [&] { AtomicFile file(path("map")); });
   EXPECT_EQ(content(path("map")), "old");
 }
 
@@ -169,7 +169,7 @@ TEST_F(AtomicFileTest, FailedWriteLeavesTheOldFile) {
     AtomicFile file(path("map"));
     const FileSizeLimit limit(100'000);
     // The first 100,000 bytes are taken (a short write), the rest is refused.
-    io_error(path("map"), "File too large", [&] { file.write(std::string(3 << 20, 'x')); });
+    file_error(path("map"), "File too large", [&] { file.write(std::string(3 << 20, 'x')); });
   }
   EXPECT_EQ(content(path("map")), "old");
   EXPECT_EQ(files_in_folder(), 1U);
@@ -181,7 +181,7 @@ TEST_F(AtomicFileTest, FailedCommitLeavesTheOldFile) {
     AtomicFile file(path("map"));
     file.write(std::string(200'000, 'x'));  // still in the buffer
     const FileSizeLimit limit(100'000);
-    io_error(path("map"), "File too large", [&] { file.commit(); });
+    file_error(path("map"), "File too large", [&] { file.commit(); });
   }
   EXPECT_EQ(content(path("map")), "old");
   EXPECT_EQ(files_in_folder(), 1U);
@@ -191,7 +191,7 @@ TEST_F(AtomicFileTest, TargetThatBecameAFolderIsNotReplaced) {
   {
     AtomicFile file(path("map"));
     fs::create_directory(path("map"));
-    io_error(path("map"), "cannot be replaced", [&] { file.commit(); });
+    file_error(path("map"), "cannot be replaced", [&] { file.commit(); });
   }
   EXPECT_TRUE(fs::is_directory(path("map")));
   EXPECT_EQ(files_in_folder(), 1U);

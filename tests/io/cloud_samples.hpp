@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "io/file_fixture.hpp"
+#include "files/file_fixture.hpp"
 
 namespace evermap {
 

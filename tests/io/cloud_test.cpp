@@ -26,8 +26,8 @@ TEST_F(CloudTest, FormatFollowsFromTheExtension) {
 }
 
 TEST_F(CloudTest, UnknownExtensionsAreAnsweredWithTheKnown) {
-  io_error(make("a.las", "x"), ".bin (KITTI), .pcd and .ply", [&] { read_cloud(path("a.las")); });
-  io_error("none", ".bin (KITTI), .pcd and .ply", [] { read_cloud("none"); });
+  file_error(make("a.las", "x"), ".bin (KITTI), .pcd and .ply", [&] { read_cloud(path("a.las")); });
+  file_error("none", ".bin (KITTI), .pcd and .ply", [] { read_cloud("none"); });
 }
 
 /// What must hold of a scan whatever the file was.
@@ -52,7 +52,7 @@ TEST_F(CloudTest, EveryTruncationIsNoticed) {
         expect_valid(scan);
         EXPECT_TRUE(may_read) << sample.name << " cut to " << size;
         EXPECT_LE(scan.p_sensor.size(), 3U);
-      } catch (const IoError& error) {
+      } catch (const FileError& error) {
         EXPECT_FALSE(may_read) << error.what();
         EXPECT_EQ(error.path(), file);
       }
@@ -69,7 +69,7 @@ TEST_F(CloudTest, ChangedBytesDoNoHarm) {
       const std::filesystem::path file = make(sample.name, bytes);
       try {
         expect_valid(read_cloud(file));
-      } catch (const IoError& error) {
+      } catch (const FileError& error) {
         EXPECT_EQ(error.path(), file);
         EXPECT_EQ(std::string_view(error.what()).find('\n'), std::string_view::npos);
       }
@@ -84,7 +84,7 @@ TEST_F(CloudTest, NoiseDoesNoHarm) {
     for (char& c : noise) c = static_cast<char>(random() % 256);
     for (const char* name : {"a.pcd", "a.ply"}) {
       const std::filesystem::path file = make(name, noise);
-      EXPECT_THROW(read_cloud(file), IoError);
+      EXPECT_THROW(read_cloud(file), FileError);
     }
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/file_fixture.hpp"
+#include "files/file_fixture.hpp"
 #include <evermap/io/kitti_bin.hpp>
 
 namespace evermap {
@@ -37,23 +37,23 @@ TEST_F(KittiBinTest, IncompletePointIsNamedByItsOffset) {
     if (size % 16 == 0) {
       EXPECT_EQ(read_kitti_bin(file).p_sensor.size(), size / 16);
     } else {
-      expect_at_byte(io_error(file, "the last point has", [&] { read_kitti_bin(file); }), size / 16 * 16);
+      expect_at_byte(file_error(file, "the last point has", [&] { read_kitti_bin(file); }), size / 16 * 16);
     }
   }
 }
 
 TEST_F(KittiBinTest, WhatIsNoFileWithPointsIsRefused) {
-  io_error(path("no.bin"), "No such file", [&] { read_kitti_bin(path("no.bin")); });
-  io_error(folder_, "is a folder", [&] { read_kitti_bin(folder_); });
-  io_error(make("e.bin", ""), "is empty", [&] { read_kitti_bin(path("e.bin")); });
-  io_error("/dev/zero", "no regular file", [] { read_kitti_bin("/dev/zero"); });
+  file_error(path("no.bin"), "No such file", [&] { read_kitti_bin(path("no.bin")); });
+  file_error(folder_, "is a folder", [&] { read_kitti_bin(folder_); });
+  file_error(make("e.bin", ""), "is empty", [&] { read_kitti_bin(path("e.bin")); });
+  file_error("/dev/zero", "no regular file", [] { read_kitti_bin("/dev/zero"); });
 }
 
 TEST_F(KittiBinTest, UnreadableFileIsNamed) {
   std::filesystem::permissions(folder_, std::filesystem::perms(0755));
   std::filesystem::permissions(make("a.bin", "x"), std::filesystem::perms::none);
   const Unprivileged unprivileged;
-  io_error(path("a.bin"), "Permission denied", [&] { read_kitti_bin(path("a.bin")); });
+  file_error(path("a.bin"), "Permission denied", [&] { read_kitti_bin(path("a.bin")); });
 }
 
 }  // namespace

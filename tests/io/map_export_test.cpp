@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <octomap/OcTree.h>
 
-#include "io/file_fixture.hpp"
+#include "files/file_fixture.hpp"
 #include "support/random_octree.hpp"
 #include <evermap/io/cloud.hpp>
 #include <evermap/io/map_export.hpp>
@@ -114,15 +114,15 @@ TEST_F(MapExportTest, MapsBeyondOctomapsKeysAreRefused) {
     return random_octree(generator, 100, VoxelGrid::around({691'000, 5'334'000, 500}, 0.2));
   }();
   for (const char* name : {"map.ot", "map.bt"}) {
-    io_error(path(name), "export it as .pcd or .ply", [&] { export_map(far, path(name)); });
+    file_error(path(name), "export it as .pcd or .ply", [&] { export_map(far, path(name)); });
   }
   EXPECT_EQ(files_in_folder(), 0U);
 }
 
 TEST_F(MapExportTest, UnknownExtensionsAreRefused) {
   for (const char* name : {"map.las", "map", "map.pcd.gz"}) {
-    io_error(path(name), "known are .pcd, .ply, .ot and .bt", [&] { export_map(octree_, path(name)); });
-    io_error(path(name), "known are .pcd, .ply, .ot and .bt", [&] { check_export_extension(path(name)); });
+    file_error(path(name), "known are .pcd, .ply, .ot and .bt", [&] { export_map(octree_, path(name)); });
+    file_error(path(name), "known are .pcd, .ply, .ot and .bt", [&] { check_export_extension(path(name)); });
   }
   check_export_extension("map.OT");
   EXPECT_EQ(files_in_folder(), 0U);

@@ -6,7 +6,7 @@
 #include <rapidcheck/gtest.h>
 #include <xxhash.h>
 
-#include "io/file_fixture.hpp"
+#include "files/file_fixture.hpp"
 #include "support/random_octree.hpp"
 #include <evermap/io/map_file.hpp>
 
@@ -27,9 +27,9 @@ class MapFileTest : public FileTest {
     save_map(path("saved.evm"), octree);
     return content(path("saved.evm"));
   }
-  IoError refusal(std::string_view bytes, std::string_view text) {
+  FileError refusal(std::string_view bytes, std::string_view text) {
     const fs::path file = make("damaged.evm", bytes);
-    return io_error(file, text, [&] { load_map(file); });
+    return file_error(file, text, [&] { load_map(file); });
   }
 };
 
@@ -116,7 +116,7 @@ TEST_F(MapFileTest, EverySingleFlippedBitIsRefused) {
     std::string bad = good;
     bad[bit / 8] = static_cast<char>(bad[bit / 8] ^ 1 << bit % 8);
     const fs::path file = make("damaged.evm", bad);
-    ASSERT_THROW(load_map(file), IoError) << "bit " << bit;
+    ASSERT_THROW(load_map(file), FileError) << "bit " << bit;
   }
 }
 
@@ -124,7 +124,7 @@ TEST_F(MapFileTest, EveryTruncationIsRefused) {
   const std::string good = saved(small_map());
   for (std::size_t size = 0; size < good.size(); ++size) {
     const fs::path file = make("damaged.evm", std::string_view(good).substr(0, size));
-    ASSERT_THROW(load_map(file), IoError) << size << " bytes";
+    ASSERT_THROW(load_map(file), FileError) << size << " bytes";
   }
 }
 
@@ -153,8 +153,8 @@ TEST_F(MapFileTest, NewerFormatIsRefusedByName) {
 TEST_F(MapFileTest, OtherFilesAreRefused) {
   refusal("", "is empty");
   refusal("# .PCD v0.7", "is no evermap map");
-  io_error(path("none.evm"), "No such file", [&] { load_map(path("none.evm")); });
-  io_error(folder_, "is a folder", [&] { load_map(folder_); });
+  file_error(path("none.evm"), "No such file", [&] { load_map(path("none.evm")); });
+  file_error(folder_, "is a folder", [&] { load_map(folder_); });
 }
 
 TEST_F(MapFileTest, ClaimsBeyondTheFileAreRefusedBeforeMemoryIsTaken) {
@@ -232,7 +232,7 @@ TEST_F(MapFileTest, WhatCouldNotBeLoadedIsNotSaved) {
   make("map.evm", "old");
   Octree octree = one_leaf();
   octree.find(VoxelKey::from_voxel({1, 2, 3}))->covariance[3] = kInf;
-  io_error(path("map.evm"), "not saved: leaf", [&] { save_map(path("map.evm"), octree); });
+  file_error(path("map.evm"), "not saved: leaf", [&] { save_map(path("map.evm"), octree); });
   EXPECT_EQ(content(path("map.evm")), "old");
   EXPECT_EQ(files_in_folder(), 1U);
 }

@@ -43,7 +43,7 @@ TEST_F(MapUndoTest, KeepsTheLastOnly) {
   save(300);
   undo_map(path("map.evm"));
   EXPECT_EQ(map(), second);
-  EXPECT_THROW(undo_map(path("map.evm")), IoError);
+  EXPECT_THROW(undo_map(path("map.evm")), FileError);
   EXPECT_EQ(map(), second);
 }
 
@@ -60,7 +60,7 @@ TEST_F(MapUndoTest, OfARunThatDidNotSaveChangesNothing) {
 TEST_F(MapUndoTest, OfAMapThatIsNotThereKeepsNothing) {
   keep_for_undo(path("map.evm"));
   EXPECT_EQ(files_in_folder(), 0U);
-  EXPECT_THROW(undo_map(path("map.evm")), IoError);
+  EXPECT_THROW(undo_map(path("map.evm")), FileError);
 }
 
 TEST_F(MapUndoTest, RefusesADamagedMap) {
@@ -71,7 +71,7 @@ TEST_F(MapUndoTest, RefusesADamagedMap) {
   std::string damaged = content(undo_path(path("map.evm")));
   damaged[damaged.size() / 2] ^= 1;
   make("map.evm.undo", damaged);
-  EXPECT_THROW(undo_map(path("map.evm")), IoError);
+  EXPECT_THROW(undo_map(path("map.evm")), FileError);
   EXPECT_EQ(map(), second);
 }
 

@@ -19,9 +19,9 @@ std::string header_with(std::size_t number, const std::string& line, const std::
 class PcdTest : public FileTest {
  protected:
   Scan read(std::string_view bytes) { return read_pcd(make("a.pcd", bytes)); }
-  IoError error(std::string_view bytes, std::string_view message) {
+  FileError error(std::string_view bytes, std::string_view message) {
     const std::filesystem::path file = make("a.pcd", bytes);
-    return io_error(file, message, [&] { read_pcd(file); });
+    return file_error(file, message, [&] { read_pcd(file); });
   }
 };
 
@@ -208,8 +208,8 @@ TEST_F(PcdTest, WhatIsNoPcdIsRefused) {
   expect_at_line(error("ply\nformat ascii 1.0\n", "is this a PCD file?"), 1);
   expect_at_line(error(std::string(100000, '\xFF'), "is no keyword"), 1);
   expect_at_byte(error("VERSION 0.7\nFIELDS x y z\n", "ends before the DATA line"), 25);
-  io_error(path("none"), "No such file", [&] { read_pcd(path("none")); });
-  io_error(folder_, "is a folder", [&] { read_pcd(folder_); });
+  file_error(path("none"), "No such file", [&] { read_pcd(path("none")); });
+  file_error(folder_, "is a folder", [&] { read_pcd(folder_); });
 }
 
 TEST_F(PcdTest, WrittenTableIsReadBack) {
@@ -232,7 +232,7 @@ TEST_F(PcdTest, MalformedTablesAreNotWritten) {
   EXPECT_THROW(write_pcd(path("a.pcd"), {{{"two words"}}, {}}), std::invalid_argument);
   EXPECT_THROW(write_pcd(path("a.pcd"), {{{"a\nb"}}, {}}), std::invalid_argument);
   EXPECT_THROW(write_pcd(path("a.pcd"), {{{"x"}, {"y"}}, {1, 2, 3}}), std::invalid_argument);
-  io_error(path("none/a.pcd"), "No such file", [&] { write_pcd(path("none/a.pcd"), {{{"x"}}, {1}}); });
+  file_error(path("none/a.pcd"), "No such file", [&] { write_pcd(path("none/a.pcd"), {{{"x"}}, {1}}); });
   EXPECT_EQ(files_in_folder(), 0U);
 }
 

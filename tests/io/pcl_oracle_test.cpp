@@ -8,7 +8,7 @@
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
-#include "io/file_fixture.hpp"
+#include "files/file_fixture.hpp"
 #include <evermap/io/cloud.hpp>
 #include <evermap/io/lzf.hpp>
 #include <evermap/io/pcd.hpp>

@@ -15,9 +15,9 @@ std::string ply_header(const std::string& elements, const std::string& format = 
 class PlyTest : public FileTest {
  protected:
   Scan read(std::string_view bytes) { return read_ply(make("a.ply", bytes)); }
-  IoError error(std::string_view bytes, std::string_view message) {
+  FileError error(std::string_view bytes, std::string_view message) {
     const std::filesystem::path file = make("a.ply", bytes);
-    return io_error(file, message, [&] { read_ply(file); });
+    return file_error(file, message, [&] { read_ply(file); });
   }
 };
 
@@ -108,9 +108,9 @@ TEST_F(PlyTest, ElementsBeforeTheVerticesThatLieAreRefused) {
     return ply_header(element + vertex, "binary_little_endian");
   };
   std::string header = binary("element a 1000000000000\nproperty int i\n");
-  expect_at_byte(error(header + p, "ends inside the data before its vertices"), header.size());
+  expect_at_byte(error(header + p, "ends inside the data of element 'a'"), header.size());
   header = binary("element a 4611686018427387905\nproperty int i\n");
-  expect_at_byte(error(header + p, "ends inside the data before its vertices"), header.size());
+  expect_at_byte(error(header + p, "ends inside the data of element 'a'"), header.size());
   header = binary("element a 1000000000000\nproperty list uchar int i\n");
   expect_at_byte(error(header + std::string(5, '\0'), "ends inside the data"), header.size() + 5);
   header = binary("element a 1\nproperty list int int i\n");
@@ -118,15 +118,15 @@ TEST_F(PlyTest, ElementsBeforeTheVerticesThatLieAreRefused) {
   expect_at_byte(error(header + bytes_of<std::int32_t>({0x7FFFFFFF}) + p, "ends inside the data"),
                  header.size() + 4);
   error(ply_header("element a 1000000000000\nproperty int i\n" + vertex) + "1\n1 2 3\n",
-        "ends before its vertices");
+        "ends inside the data of element 'a'");
 }
 
 TEST_F(PlyTest, WhatIsNoPlyIsRefused) {
   error("", "is empty");
   expect_at_byte(error("plywood\n", "is this a PLY file?"), 0);
   expect_at_byte(error("ply\nformat ascii 1.0\n", "ends before the end_header"), 21);
-  io_error(path("none"), "No such file", [&] { read_ply(path("none")); });
-  io_error(folder_, "is a folder", [&] { read_ply(folder_); });
+  file_error(path("none"), "No such file", [&] { read_ply(path("none")); });
+  file_error(folder_, "is a folder", [&] { read_ply(folder_); });
 }
 
 TEST_F(PlyTest, WrittenTableIsReadBack) {

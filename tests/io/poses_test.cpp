@@ -3,7 +3,7 @@
 #include <clocale>
 #include <locale>
 
-#include "io/file_fixture.hpp"
+#include "files/file_fixture.hpp"
 #include <evermap/io/poses.hpp>
 
 namespace evermap {
@@ -12,9 +12,9 @@ namespace {
 class PosesTest : public FileTest {
  protected:
   std::vector<StampedPose> read(std::string_view text) { return read_poses(make("poses.txt", text)); }
-  IoError error(std::string_view text, std::string_view message) {
+  FileError error(std::string_view text, std::string_view message) {
     const std::filesystem::path file = make("poses.txt", text);
-    return io_error(file, message, [&] { read_poses(file); });
+    return file_error(file, message, [&] { read_poses(file); });
   }
 };
 
@@ -81,8 +81,8 @@ TEST_F(PosesTest, BadLinesAreNamed) {
 TEST_F(PosesTest, FilesWithoutPosesAreRefused) {
   error("", "is empty");
   error("# nothing\n\n", "holds no pose");
-  io_error(path("none"), "No such file", [&] { read_poses(path("none")); });
-  io_error(folder_, "is a folder", [&] { read_poses(folder_); });
+  file_error(path("none"), "No such file", [&] { read_poses(path("none")); });
+  file_error(folder_, "is a folder", [&] { read_poses(folder_); });
 }
 
 TEST_F(PosesTest, GarbageIsQuotedOnOneLine) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/file_fixture.hpp"
+#include "files/file_fixture.hpp"
 #include <evermap/io/scan_source.hpp>
 
 namespace evermap {
@@ -43,15 +43,15 @@ TEST_F(ScanSourceTest, MixedFormatsAreNamed) {
   make_scan("a.bin", 1);
   make_scan("b.bin", 1);
   make("c.pcd", "whatever");
-  const IoError error = io_error(folder_, "mixes formats", [&] { ScanSource source(folder_); });
+  const FileError error = file_error(folder_, "mixes formats", [&] { ScanSource source(folder_); });
   EXPECT_NE(std::string(error.what()).find("a.bin"), std::string::npos);
   EXPECT_NE(std::string(error.what()).find("c.pcd"), std::string::npos);
 }
 
 TEST_F(ScanSourceTest, WhereThereIsNoScanIsRefused) {
-  io_error(folder_, "holds no scan", [&] { ScanSource source(folder_); });
-  io_error(make("a.las", "x"), ".bin (KITTI), .pcd and .ply", [&] { ScanSource source(path("a.las")); });
-  io_error(path("none"), "No such file", [&] { ScanSource source(path("none")); });
+  file_error(folder_, "holds no scan", [&] { ScanSource source(folder_); });
+  file_error(make("a.las", "x"), ".bin (KITTI), .pcd and .ply", [&] { ScanSource source(path("a.las")); });
+  file_error(path("none"), "No such file", [&] { ScanSource source(path("none")); });
 }
 
 TEST_F(ScanSourceTest, DamageIsReportedWhenItsScanIsDue) {
@@ -60,7 +60,7 @@ TEST_F(ScanSourceTest, DamageIsReportedWhenItsScanIsDue) {
   make_scan("c.bin", 3);
   ScanSource source(folder_);
   EXPECT_TRUE(source.next());
-  expect_at_byte(io_error(path("b.bin"), "the last point", [&] { source.next(); }), 0);
+  expect_at_byte(file_error(path("b.bin"), "the last point", [&] { source.next(); }), 0);
   EXPECT_EQ(source.next().value().p_sensor.at(0).x(), 3);
 }
 

@@ -5,14 +5,17 @@
 # everything, and nobody may include `app`.
 cmake_minimum_required(VERSION 3.25)
 
+set(files_MAY_INCLUDE "")
 set(geometry_MAY_INCLUDE "")
 set(scan_MAY_INCLUDE geometry)
 set(map_MAY_INCLUDE geometry)
 set(update_MAY_INCLUDE geometry scan map)
 set(localization_MAY_INCLUDE geometry scan map)
-set(io_MAY_INCLUDE geometry scan map)
-set(simulation_MAY_INCLUDE geometry scan)
-set(evaluation_MAY_INCLUDE geometry scan map update)
+set(maintenance_MAY_INCLUDE geometry scan map update localization)
+set(config_MAY_INCLUDE files maintenance)
+set(io_MAY_INCLUDE files geometry scan map)
+set(simulation_MAY_INCLUDE files geometry scan)
+set(evaluation_MAY_INCLUDE geometry scan map update localization maintenance)
 
 file(GLOB_RECURSE files RELATIVE "${ROOT}/src/evermap" "${ROOT}/src/evermap/*.hpp" "${ROOT}/src/evermap/*.cpp")
 if(NOT files)

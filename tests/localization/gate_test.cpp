@@ -7,12 +7,12 @@
 namespace evermap {
 namespace {
 
-Registration fitting(double x, double residual = 1, double share = 0.9) {
+Registration fitting(double x, double residual = 1, double fraction = 0.9) {
   Registration registration;
-  registration.outcome = RegistrationOutcome::kConverged;
+  registration.reject_reason = RejectReason::kNone;
   registration.T_map_sensor.translation.x() = x;
   registration.residual = residual;
-  registration.inlier_share = share;
+  registration.inlier_fraction = fraction;
   return registration;
 }
 
@@ -22,7 +22,7 @@ class GateTest : public ::testing::Test {
     for (int i = 0; i < 10; ++i) gate_.remember(fitting(0.01), Pose{}, true);
   }
   bool passes(const Registration& registration, double slack = 1) const {
-    return gate_.objection(registration, Pose{}, slack).empty();
+    return gate_.judge(registration, Pose{}, slack) == RejectReason::kNone;
   }
   Gate gate_{GateParameters{}};
 };
@@ -30,8 +30,8 @@ class GateTest : public ::testing::Test {
 TEST_F(GateTest, ObjectsToWhatDidNotConverge) {
   Registration registration = fitting(0);
   EXPECT_TRUE(passes(registration));
-  registration.outcome = RegistrationOutcome::kUnobservable;
-  EXPECT_EQ(gate_.objection(registration, Pose{}, 1), "unobservable: translation along x");
+  registration.reject_reason = RejectReason::kUnobservable;
+  EXPECT_EQ(gate_.judge(registration, Pose{}, 1), RejectReason::kUnobservable);
 }
 
 TEST_F(GateTest, ObjectsToAPoseFarFromThePrediction) {
@@ -55,10 +55,10 @@ TEST_F(GateTest, ObjectsToAWorseFitThanBefore) {
 TEST(Gate, WidensForARobotThatMovesRoughlyButNotWithoutLimit) {
   Gate gate{GateParameters{}};
   for (int i = 0; i < 10; ++i) gate.remember(fitting(0.15), Pose{}, true);
-  EXPECT_TRUE(gate.objection(fitting(0.44), Pose{}, 1).empty());
-  EXPECT_FALSE(gate.objection(fitting(0.46), Pose{}, 1).empty());
+  EXPECT_EQ(gate.judge(fitting(0.44), Pose{}, 1), RejectReason::kNone);
+  EXPECT_EQ(gate.judge(fitting(0.46), Pose{}, 1), RejectReason::kTooFar);
   for (int i = 0; i < 60; ++i) gate.remember(fitting(5), Pose{}, true);
-  EXPECT_FALSE(gate.objection(fitting(0.61), Pose{}, 1).empty());
+  EXPECT_EQ(gate.judge(fitting(0.61), Pose{}, 1), RejectReason::kTooFar);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 #include <evermap/localization/localizer.hpp>
 #include <evermap/localization/perturbation.hpp>
 #include <evermap/simulation/surface_index.hpp>
-#include <evermap/update/guarded_map.hpp>
+#include <evermap/maintenance/map_maintainer.hpp>
 
 namespace evermap {
 namespace {
@@ -78,33 +78,26 @@ struct Outcome {
 
 template <class ReadingOf>
 Outcome run_loop(std::size_t scans, const Pose& start, Octree map_at_start, const ReadingOf& reading_of) {
-  GuardedMap map(std::move(map_at_start), UpdateParameters{}, GuardParameters{});
-  Localizer localizer(start, {});
+  MapMaintainer maintainer(std::move(map_at_start), {}, MapMode::kMaintenance, start);
   Outcome outcome;
   for (std::size_t i = 0; i < scans; ++i) {
     const Reading now = reading_of(i);
-    bool written = false;
-    const Localization at = localizer.localize(map.octree(), *now.scan, kPeriod * static_cast<double>(i),
-                                               now.T_odom_sensor, [&](const Pose& T_map_sensor) {
-                                                 written = map.update(*now.scan, T_map_sensor).has_value();
-                                                 return written ? "" : "contradicts the map";
-                                               });
+    const ScanResult at = maintainer.process(*now.scan, kPeriod * static_cast<double>(i), now.T_odom_sensor);
     const double error = difference(now.truth, at.T_map_sensor).head<3>().norm();
     outcome.errors.push_back(error);
-    if (written) outcome.worst_written = std::max(outcome.worst_written, error);
+    if (at.is_written) outcome.worst_written = std::max(outcome.worst_written, error);
     if (at.state == TrackingState::kTracking) outcome.worst_tracked = std::max(outcome.worst_tracked, error);
-    outcome.refused += written ? 0 : 1;
+    outcome.refused += at.is_written ? 0 : 1;
     const bool alarm = at.state == TrackingState::kDegraded || at.state == TrackingState::kLost;
     if (alarm && outcome.first_alarm == 0) outcome.first_alarm = i;
-    if (at.state == TrackingState::kLost && outcome.last != at.state) map.take_back();
     outcome.last = at.state;
   }
-  outcome.map = map.octree();
+  outcome.map = maintainer.map();
   return outcome;
 }
 
-/// Share of the survey's wall that the map has no longer. Nothing else reaches so far out and up.
-double share_of_walls_lost(const Octree& map) {
+/// Fraction of the survey's wall that the map has no longer. Nothing else reaches so far out and up.
+double fraction_of_walls_lost(const Octree& map) {
   double walls = 0;
   double lost = 0;
   survey().for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
@@ -117,8 +110,8 @@ double share_of_walls_lost(const Octree& map) {
   return lost / walls;
 }
 
-/// Share of the map's leaves that are farther than a leaf from all that is or was there.
-double share_of_phantoms(const Octree& map) {
+/// Fraction of the map's leaves that are farther than a leaf from all that is or was there.
+double fraction_of_phantoms(const Octree& map) {
   const Scene survey_scene = test::yard().survey_scene();
   const Scene scene = test::yard().scene(0);
   const SurfaceIndex before(survey_scene);
@@ -184,8 +177,8 @@ TEST_P(PoisonTest, NeverDamagesTheMap) {
     return i >= kBegin && i < end ? wrong.reading(i) : reading(i);
   });
   EXPECT_LT(outcome.worst_written, 0.02);
-  EXPECT_LE(share_of_walls_lost(outcome.map), 0.01);
-  EXPECT_LE(share_of_phantoms(outcome.map), 0.001);
+  EXPECT_LE(fraction_of_walls_lost(outcome.map), 0.01);
+  EXPECT_LE(fraction_of_phantoms(outcome.map), 0.001);
   EXPECT_EQ(outcome.last, TrackingState::kTracking) << "never found back";
   // What registration can mend is no reason for an alarm.
   const bool was_told = outcome.first_alarm >= kBegin && outcome.first_alarm <= kBegin + 5;
@@ -201,11 +194,11 @@ INSTANTIATE_TEST_SUITE_P(All, PoisonTest,
                          });
 
 TEST(Localizer, TracksADriveWithoutOdometry) {
-  Localizer localizer(drive().truth(0), {});
+  MapMaintainer localizer(survey(), {}, MapMode::kLocalization, drive().truth(0));
   std::size_t tracked = 0;
   for (std::size_t i = 0; i < 40; ++i) {
-    const Localization at =
-        localizer.localize(survey(), drive().scan(i), kPeriod * static_cast<double>(i), std::nullopt);
+    const ScanResult at = localizer.process(drive().scan(i), kPeriod * static_cast<double>(i));
+    EXPECT_FALSE(at.is_written);
     EXPECT_LT((at.T_map_sensor.translation - drive().truth(i).translation).norm(), 0.01);
     tracked += at.state == TrackingState::kTracking;
     EXPECT_FALSE(i < 2 && at.state == TrackingState::kTracking);
@@ -274,7 +267,7 @@ TEST(Localizer, StandsStillFor3000Scans) {
   };
   const auto& errors = outcome.errors;
   EXPECT_LT(mean(errors.end() - 300, errors.end()), mean(errors.begin(), errors.begin() + 300) + 0.002);
-  EXPECT_LE(share_of_walls_lost(outcome.map), 0.001);
+  EXPECT_LE(fraction_of_walls_lost(outcome.map), 0.001);
 }
 
 TEST(Localizer, StartsFromAPoseThatIsAMetreOff) {
@@ -292,30 +285,31 @@ TEST(Localizer, FindsItselfWithinFiveMetres) {
 }
 
 TEST(Localizer, RefusesScansThatAreNotLater) {
-  Localizer localizer(drive().truth(0), {});
-  localizer.localize(survey(), drive().scan(0), 1.0, std::nullopt);
+  MapMaintainer localizer(survey(), {}, MapMode::kLocalization, drive().truth(0));
+  localizer.process(drive().scan(0), 1.0);
   for (const double time : {1.0, 0.5}) {
-    const Localization at = localizer.localize(survey(), drive().scan(1), time, std::nullopt);
-    EXPECT_EQ(at.objection, "is not later than the scan before");
+    const ScanResult at = localizer.process(drive().scan(1), time);
+    EXPECT_EQ(at.reject_reason, RejectReason::kTimeNotLater);
     EXPECT_NE(at.state, TrackingState::kTracking);
   }
 }
 
-TEST(Localizer, AScanThatIsNotWrittenDidNotPass) {
-  Localizer localizer(drive().truth(0), {});
+TEST(Localizer, AScanThatItsCallerRejectsDidNotPass) {
+  Localizer localizer(drive().truth(0), {}, {});
   for (std::size_t i = 0; i < 5; ++i) {
-    const Localization at = localizer.localize(survey(), drive().scan(i), kPeriod * static_cast<double>(i),
-                                               drive().truth(i), [](const Pose&) { return "no"; });
-    if (i == 0) continue;  // not offered before the motion is known
-    EXPECT_EQ(at.objection, "no");
-    EXPECT_EQ(at.state, TrackingState::kDegraded);
+    Localization at = localizer.propose(survey(), drive().scan(i), kPeriod * static_cast<double>(i),
+                                        drive().truth(i));
+    EXPECT_EQ(at.is_writable(), i > 0);  // not before the motion is known
+    if (at.is_writable()) at.reject_reason = RejectReason::kContradictsMap;
+    localizer.conclude(at);
+    EXPECT_EQ(at.state, i == 0 ? TrackingState::kStarting : TrackingState::kDegraded);
   }
 }
 
 TEST(Localizer, AnEmptyWorldLosesIt) {
-  Localizer localizer(Pose{}, {});
+  MapMaintainer localizer(Octree(VoxelGrid{0.4}), {}, MapMode::kLocalization);
   for (int i = 0; i < 7; ++i) {
-    const Localization at = localizer.localize(Octree(VoxelGrid{0.4}), Scan{}, i, std::nullopt);
+    const ScanResult at = localizer.process(Scan{}, i);
     EXPECT_EQ(at.state, i < 4 ? TrackingState::kDegraded : TrackingState::kLost);
     EXPECT_EQ(at.T_map_sensor.translation, Eigen::Vector3d::Zero());
   }
@@ -338,7 +332,7 @@ TEST(Localizer, EqualBaysAreAmbiguous) {
   const Octree map = test::survey_map(aisle(), 0.4);
   const Scan scan = Simulator(aisle()).scan(Pose{}, test::small_lidar(), 1);
   const Registration found = relocate(map, scan, Pose{}, {}, {}, {});
-  EXPECT_EQ(found.outcome, RegistrationOutcome::kAmbiguous) << to_string(found);
+  EXPECT_EQ(found.reject_reason, RejectReason::kAmbiguous) << to_string(found.reject_reason);
 }
 
 // The odometry slips by one bay, where everything looks the same.

@@ -84,11 +84,11 @@ TEST(Registration, FindsThePoseFromCloseBy) {
     const Pose truth = test::yard().T_map_sensor(6 * i);
     const Registration found =
         register_fine(yard_now().map, yard_now().scan(6 * i), shaken(truth, 0.2, kDegree, random));
-    EXPECT_TRUE(found.converged()) << to_string(found);
+    EXPECT_TRUE(found.converged()) << to_string(found.reject_reason);
     const Twist off = difference(truth, found.T_map_sensor);
     EXPECT_LT(off.head<3>().norm(), 0.01);
     EXPECT_LT(off.tail<3>().norm(), 0.1 * kDegree);
-    EXPECT_GT(found.inlier_share, 0.8);
+    EXPECT_GT(found.inlier_fraction, 0.8);
   }
 }
 
@@ -121,9 +121,9 @@ TEST(Registration, AnyNumberOfThreadsGivesTheSameBytes) {
     const Registration many = with_threads(threads);
     EXPECT_EQ(one.T_map_sensor.rotation, many.T_map_sensor.rotation);
     EXPECT_EQ(one.T_map_sensor.translation, many.T_map_sensor.translation);
-    EXPECT_EQ(one.covariance, many.covariance);
+    EXPECT_EQ(one.observability.covariance, many.observability.covariance);
     EXPECT_EQ(one.residual, many.residual);
-    EXPECT_EQ(one.weakest.share, many.weakest.share);
+    EXPECT_EQ(one.observability.worst, many.observability.worst);
   }
 }
 
@@ -138,10 +138,10 @@ TEST_P(Degenerate, AnEndlessCorridorHoldsNothingAlongIt) {
     const Registration found =
         register_fine(map, Simulator(scene).scan(Pose{}, test::small_lidar(), 1), guess);
     EXPECT_FALSE(found.converged());
-    EXPECT_EQ(found.outcome, RegistrationOutcome::kUnobservable) << to_string(found);
+    EXPECT_EQ(found.reject_reason, RejectReason::kUnobservable) << to_string(found.reject_reason);
     if (GetParam() < 0.2) continue;  // there, the sensor's noise is as thick as the leaf
-    EXPECT_FALSE(found.weakest.is_rotation) << to_string(found);
-    EXPECT_GT(std::abs(found.weakest.axis.dot(Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0))), 0.97);
+    EXPECT_FALSE(found.observability.is_rotation) << to_string(found.reject_reason);
+    EXPECT_GT(std::abs(found.observability.axis.dot(Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0))), 0.97);
   }
 }
 
@@ -149,8 +149,8 @@ TEST_P(Degenerate, APlaneHoldsNoTurnAboutItsNormal) {
   const Scene scene = test::plane();
   const Registration found = register_fine(test::survey_map(scene, GetParam()),
                                            Simulator(scene).scan(Pose{}, test::small_lidar(), 1), Pose{});
-  EXPECT_EQ(found.outcome, RegistrationOutcome::kUnobservable);
-  EXPECT_EQ(to_string(found), "unobservable: rotation about z");
+  EXPECT_EQ(found.reject_reason, RejectReason::kUnobservable);
+  EXPECT_EQ(to_string(found.observability), "rotation about z");
 }
 
 INSTANTIATE_TEST_SUITE_P(Edges, Degenerate, ::testing::Values(0.2, 0.4, 0.8));
@@ -162,21 +162,21 @@ TEST(Registration, OfNextToNothingDoesNotConverge) {
     const Registration coarse = register_coarse_to_fine(map, points, guess, {}, {});
     EXPECT_FALSE(coarse.converged());
     EXPECT_TRUE(coarse.T_map_sensor.translation.allFinite());
-    return register_fine(map, points, guess).outcome;
+    return register_fine(map, points, guess).reject_reason;
   };
-  EXPECT_EQ(outcome(yard_now().map, Scan{}, truth), RegistrationOutcome::kTooFewBundles);
+  EXPECT_EQ(outcome(yard_now().map, Scan{}, truth), RejectReason::kTooFewBundles);
   Scan five;
   five.p_sensor.assign(scan.p_sensor.begin(), scan.p_sensor.begin() + 5);
-  EXPECT_EQ(outcome(yard_now().map, five, truth), RegistrationOutcome::kTooFewBundles);
+  EXPECT_EQ(outcome(yard_now().map, five, truth), RejectReason::kTooFewBundles);
   Scan heap_of_points;
   heap_of_points.p_sensor.assign(5000, {5, 0, 0});
-  EXPECT_EQ(outcome(yard_now().map, heap_of_points, truth), RegistrationOutcome::kTooFewBundles);
-  EXPECT_EQ(outcome(Octree(VoxelGrid{0.4}), scan, truth), RegistrationOutcome::kTooFewMatches);
+  EXPECT_EQ(outcome(yard_now().map, heap_of_points, truth), RejectReason::kTooFewBundles);
+  EXPECT_EQ(outcome(Octree(VoxelGrid{0.4}), scan, truth), RejectReason::kTooFewMatches);
   Pose far = truth;
   far.translation.x() += 1000;
-  EXPECT_EQ(outcome(yard_now().map, scan, far), RegistrationOutcome::kTooFewMatches);
+  EXPECT_EQ(outcome(yard_now().map, scan, far), RejectReason::kTooFewMatches);
   far.translation.x() = 1e12;  // beyond the range of keys
-  EXPECT_EQ(outcome(yard_now().map, scan, far), RegistrationOutcome::kTooFewMatches);
+  EXPECT_EQ(outcome(yard_now().map, scan, far), RejectReason::kTooFewMatches);
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ inline Octree survey_map(const Scene& scene, double edge, double spacing = 0.1) 
   Octree octree(VoxelGrid{.edge = edge});
   Scan cloud;
   for (const SurfaceSample& sample : sample_surface(scene, spacing)) cloud.p_sensor.push_back(sample.p_map);
-  add_cloud(octree, cloud, Pose{}, UpdateParameters{});
+  add_cloud(octree, cloud, Pose{}, {}, {});
   return octree;
 }
 

@@ -84,6 +84,54 @@ TEST(LeafFinder, FindsWhatTheOctreeFinds) {
   }
 }
 
+/// A copy stays as it was whatever becomes of the map it was taken of, and the other way round.
+TEST(Octree, ACopyIsASnapshot) {
+  Random random(5);
+  Octree octree(VoxelGrid{0.2});
+  std::map<VoxelKey, float> twin;
+  std::vector<std::pair<Octree, std::map<VoxelKey, float>>> snapshots;
+  const auto content = [](const Octree& map) {
+    std::map<VoxelKey, float> leaves;
+    map.for_each_leaf([&](VoxelKey key, const Leaf& leaf) { leaves[key] = leaf.log_odds; });
+    return leaves;
+  };
+  for (int i = 0; i < 20000; ++i) {
+    const VoxelKey key = random_key(random);
+    if (random.chance(0.3)) {
+      octree.erase(key);
+      twin.erase(key);
+    } else {
+      octree.find_or_insert(key).log_odds = twin[key] = static_cast<float>(i);
+    }
+    if (Leaf* leaf = octree.find(random_key(random))) leaf->count = 1;
+    if (random.chance(0.001)) snapshots.emplace_back(octree, twin);
+    if (!snapshots.empty() && random.chance(0.0005)) {  // a map of its own, changed in its turn
+      auto& [map, leaves] = snapshots[static_cast<std::size_t>(random.integer(0, static_cast<int>(snapshots.size()) - 1))];
+      for (auto& [changed, log_odds] : leaves) map.find(changed)->log_odds = log_odds = -1;
+    }
+    if (random.chance(0.0005)) snapshots.clear();
+  }
+  EXPECT_EQ(content(octree), twin);
+  EXPECT_GT(snapshots.size(), 1U);
+  for (const auto& [map, leaves] : snapshots) EXPECT_EQ(content(map), leaves);
+}
+
+TEST(Octree, OwnedLeavesAreNotSharedWithCopies) {
+  Random random(6);
+  Octree octree(VoxelGrid{0.2});
+  std::vector<VoxelKey> keys;
+  for (int i = 0; i < 500; ++i) keys.push_back(random_key(random));
+  std::sort(keys.begin(), keys.end());
+  for (const VoxelKey key : keys) octree.find_or_insert(key);
+  const Octree copy = octree;
+  octree.own(keys, [](VoxelKey key) { return key; });
+  for (const VoxelKey key : keys) {
+    const Leaf* own = std::as_const(octree).find(key);
+    EXPECT_NE(own, copy.find(key));
+    EXPECT_EQ(own, octree.find(key));  // finding it for a change moves nothing any more
+  }
+}
+
 TEST(Octree, EmptyNodesVanish) {
   Random random(2);
   Octree octree(VoxelGrid{0.2});

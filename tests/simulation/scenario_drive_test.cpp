@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "io/file_fixture.hpp"
+#include "files/file_fixture.hpp"
 #include <evermap/simulation/change_truth.hpp>
 #include <evermap/simulation/scenario_drive.hpp>
 #include <evermap/simulation/simulator.hpp>
@@ -302,7 +302,7 @@ void expect_refused(const Scenario& scenario, int line, const std::string& messa
   try {
     const ScenarioDrive drive(scenario);
     ADD_FAILURE() << "no error: " << message;
-  } catch (const ScenarioError& error) {
+  } catch (const FileError& error) {
     const std::string what = error.what();
     EXPECT_NE(what.find("world.yaml: at line " + std::to_string(line) + ": "), std::string::npos) << what;
     EXPECT_NE(what.find(message), std::string::npos) << what;

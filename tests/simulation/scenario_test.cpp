@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "io/file_fixture.hpp"
+#include "files/file_fixture.hpp"
 #include <evermap/simulation/scenario.hpp>
 
 namespace evermap {
@@ -30,7 +30,7 @@ class ScenarioTest : public FileTest {
     try {
       read_scenario(file);
       ADD_FAILURE() << "no error: " << message;
-    } catch (const ScenarioError& error) {
+    } catch (const FileError& error) {
       const std::string what = error.what();
       EXPECT_TRUE(what.starts_with(file.string() + ": at line " + std::to_string(line) + ": ")) << what;
       EXPECT_NE(what.find(message), std::string::npos) << what << " lacks: " << message;
@@ -161,31 +161,31 @@ TEST_F(ScenarioTest, TheExampleOfTheDocumentationReads) {
 }
 
 TEST_F(ScenarioTest, RefusesWhatIsNoScenario) {
-  EXPECT_THROW(read_scenario(path("none.yaml")), ScenarioError);
-  EXPECT_THROW(read_scenario(folder_), ScenarioError);
-  EXPECT_THROW(shipped_scenario("none"), ScenarioError);
-  EXPECT_THROW(shipped_scenario("bodies"), ScenarioError);
-  expect_refused("", 1, "key: value");
+  EXPECT_THROW(read_scenario(path("none.yaml")), FileError);
+  EXPECT_THROW(read_scenario(folder_), FileError);
+  EXPECT_THROW(shipped_scenario("none"), FileError);
+  EXPECT_THROW(shipped_scenario("bodies"), FileError);
+  expect_refused("# no world\n", 1, "lacks scans");
   expect_refused("- 1\n- 2\n", 1, "key: value");
   expect_refused("scans: [1\n", 2, "is no YAML");
-  expect_refused("scans: 1\nscans: 2\n", 2, "scans is set twice");
+  expect_refused("scans: 1\nscans: 2\n", 2, "'scans' is set twice, first at line 1");
   expect_refused("scans: 1\n", 1, "lacks ground");
 }
 
 TEST_F(ScenarioTest, RefusesUnknownKeysEverywhere) {
-  expect_refused("sand: 1\n" + kWorld, 1, "unknown key sand");
-  expect_refused("lidar: {beams: 1}\n" + kWorld, 1, "unknown key beams");
+  expect_refused("sand: 1\n" + kWorld, 1, "unknown key 'sand'");
+  expect_refused("lidar: {beams: 1}\n" + kWorld, 1, "unknown key 'beams'");
   expect_refused(
       "scans: 1\nground:\n  area: [0, 0, 1, 1]\n  colour: red\nrobot: {sensor_height: 1, at: [0, 0]}\n", 4,
-      "unknown key colour");
+      "unknown key 'colour'");
   expect_refused("scans: 1\nground:\n  area: [0, 0, 1, 1]\n  features:\n  - lake: 1\n", 5,
                  "unknown feature lake");
-  expect_object_refused("- {name: a, box: [1, 1, 1], at: [5, 5], size: 1}", "unknown key size");
-  expect_object_refused("- {name: a, post: {height: 1, girth: 1}, at: [5, 5]}", "unknown key girth");
-  expect_object_refused("- {name: a, box: [1, 1, 1], at: [5, 5], survey: {size: 1}}", "unknown key size");
+  expect_object_refused("- {name: a, box: [1, 1, 1], at: [5, 5], size: 1}", "unknown key 'size'");
+  expect_object_refused("- {name: a, post: {height: 1, girth: 1}, at: [5, 5]}", "unknown key 'girth'");
+  expect_object_refused("- {name: a, box: [1, 1, 1], at: [5, 5], survey: {size: 1}}", "unknown key 'size'");
   expect_object_refused("- {name: a, box: [1, 1, 1], at: [5, 5], survey: {name: b}}", "cannot change name");
-  expect_object_refused("- {name: a, box: [1, 1, 1], at: [5, 5], places: [[1, 1]]}", "unknown key at");
-  expect_object_refused("- {name: a, pile: {height: 1}, at: [5, 5], lift: 1}", "unknown key lift");
+  expect_object_refused("- {name: a, box: [1, 1, 1], at: [5, 5], places: [[1, 1]]}", "unknown key 'at'");
+  expect_object_refused("- {name: a, pile: {height: 1}, at: [5, 5], lift: 1}", "unknown key 'lift'");
 }
 
 TEST_F(ScenarioTest, RefusesImpossibleNumbers) {
@@ -217,7 +217,7 @@ TEST_F(ScenarioTest, RefusesImpossibleObjects) {
   expect_object_refused("- {name: a, box: [1, 1, 1], at: [5, 5], class: red}", "class needs one of");
   expect_object_refused("- {name: a, box: [1, 1, 1], at: [5, 5], survey: gone}", "survey needs one of");
   expect_object_refused("- {name: a, box: [1, 1, 1], at: [5, 5], survey: other}", "survey needs one of");
-  expect_object_refused("- {name: a, mesh: none.ply, at: [5, 5]}", "none.ply: No such file");
+  expect_object_refused("- {name: a, mesh: none.ply, at: [5, 5]}", "none.ply: cannot be read: No such file");
   expect_object_refused("- {name: a, body: car, route: {speed: 1, waypoints: [[1, 1]]}}", "two waypoints");
   expect_object_refused("- {name: a, body: car, route: {speed: 0, waypoints: [[1, 1], [2, 2]]}}", "speed");
   expect_object_refused("- {name: a, pile: {height: 1}, route: {speed: 1, waypoints: [[1, 1], [2, 2]]}}",

@@ -45,7 +45,7 @@ Matrix3d floored(const Matrix3d& S, double least) {
   return V * eigen.eigenvalues().cwiseMax(least).asDiagonal() * V.transpose();
 }
 
-double thickness(const VoxelGrid& grid, const UpdateParameters& parameters) {
+double thickness(const VoxelGrid& grid, const Parameters& parameters) {
   return std::max(parameters.lidar.range_sigma, 0.02 * grid.edge);
 }
 
@@ -58,7 +58,7 @@ void store(ReferenceLeaf& leaf, const Vector3d& center) {
 
 /// In ascending order of keys.
 std::vector<Bundle> condensed(const Scan& scan, const Pose& T, const VoxelGrid& grid,
-                              const UpdateParameters& parameters) {
+                              const Parameters& parameters) {
   std::map<VoxelKey, std::vector<Vector3d>> voxels;
   for (const Vector3d& p : scan.p_sensor) {
     if (p.norm() < parameters.lidar.min_range || p.norm() > parameters.lidar.max_range) continue;
@@ -111,25 +111,25 @@ double paper_impact(const ReferenceLeaf& leaf, const Vector3d& o, const Bundle& 
 }
 
 double approach_impact(const ReferenceLeaf& leaf, const Vector3d& o, const Bundle& bundle, double free,
-                       double error, const UpdateParameters& parameters) {
+                       double error, const Parameters& parameters) {
   const Vector3d u = (bundle.mean - o).normalized();
   const Matrix3d P = leaf.covariance.inverse();
   const double along = std::max(0.0, u.dot(P * (leaf.mean - o)) / u.dot(P * u));
   if (along > free) return 0;
   const double likelihood = std::exp(-squared_distance(o + along * u, leaf.mean, leaf.covariance) / 2);
-  if (likelihood < parameters.least_impact) return 0;
+  if (likelihood < parameters.update.least_impact) return 0;
   const Eigensystem eigen(leaf.covariance);
   const Vector3d n = eigen.eigenvectors().col(0);
   const bool flat = eigen.eigenvalues()[0] < 0.2 * eigen.eigenvalues()[1];
   const double length = (bundle.mean - o).norm();
-  if (!(flat && parameters.surface_crossing) && length - along < parameters.end_guard * error) return 0;
+  if (!(flat && parameters.update.surface_crossing) && length - along < parameters.update.hit_margin * error) return 0;
   if (!flat) return likelihood;
   const double side_o = n.dot(o - leaf.mean), side_end = n.dot(bundle.mean - leaf.mean);
   const bool through =
       (side_o < 0) != (side_end < 0) &&
-      std::abs(side_end) > 3 * std::sqrt(eigen.eigenvalues()[0]) + parameters.displacement * error;
-  if (parameters.surface_crossing && !through) return 0;
-  return parameters.incidence_weight ? likelihood * std::abs(n.dot(u)) : likelihood;
+      std::abs(side_end) > 3 * std::sqrt(eigen.eigenvalues()[0]) + parameters.update.surface_tolerance * error;
+  if (parameters.update.surface_crossing && !through) return 0;
+  return likelihood;
 }
 
 bool is_hit(const std::vector<Bundle>& bundles, VoxelKey key) {
@@ -140,7 +140,7 @@ using Evidence = std::map<VoxelKey, std::vector<Contradiction>>;
 
 Evidence gathered(const std::map<VoxelKey, ReferenceLeaf>& leaves, const std::vector<Bundle>& bundles,
                   const VoxelGrid& grid, const Vector3d& o, double error,
-                  const UpdateParameters& parameters) {
+                  const Parameters& parameters) {
   Evidence evidence;
   std::set<VoxelKey> hit;
   for (const Bundle& bundle : bundles) hit.insert(bundle.key);
@@ -149,16 +149,16 @@ Evidence gathered(const std::map<VoxelKey, ReferenceLeaf>& leaves, const std::ve
     const Vector3d u = (bundle.mean - o) / length;
     const double sigma_along = std::sqrt(u.dot(bundle.covariance * u));
     const double free = length - (3 * parameters.lidar.range_sigma + 2 * sigma_along);
-    const double paper_free = std::min(free, length - parameters.end_guard * error);
+    const double paper_free = std::min(free, length - parameters.update.hit_margin * error);
     for (const NaiveStep& step : naive_walk(grid, {o, bundle.mean})) {
       if (free <= 0 || step.entry * length > free) break;
       const VoxelKey key = VoxelKey::from_voxel(step.voxel);
       const auto leaf = leaves.find(key);
       if (leaf == leaves.end() || key == bundle.key) continue;
-      if (parameters.difference == Difference::kNone && hit.contains(key)) continue;
-      const double impact = parameters.impact == ImpactRule::kClosestApproach
+      if (!parameters.update.trim_leaves && hit.contains(key)) continue;
+      const double impact = parameters.update.impact == ImpactRule::kClosestApproach
                                 ? approach_impact(leaf->second, o, bundle, free, error, parameters)
-                                : paper_impact(leaf->second, o, bundle, paper_free, parameters.impact);
+                                : paper_impact(leaf->second, o, bundle, paper_free, parameters.update.impact);
       if (impact > 0) evidence[key].push_back({&bundle, rounded(impact)});
     }
   }
@@ -193,39 +193,22 @@ double alignment_error(const std::map<VoxelKey, ReferenceLeaf>& leaves, const st
   return 1.4826 * offsets[offsets.size() / 2];
 }
 
-/// Whether a neighbouring hit spares the leaf; none when that hangs on an undetermined normal.
-std::optional<bool> spares(const ReferenceLeaf& leaf, const Bundle& hit, SurfaceGuard guard,
-                           double displacement) {
-  if (guard == SurfaceGuard::kReobserved) {
-    const Eigensystem own(leaf.covariance);
-    Vector3d widths = Vector3d::Constant(displacement);  // along the leaf's axes, the thinnest first
-    if (own.eigenvalues()[0] < 0.2 * own.eigenvalues()[1]) widths[0] /= 3;
-    const Matrix3d blur =
-        own.eigenvectors() * widths.cwiseAbs2().asDiagonal() * own.eigenvectors().transpose();
-    return squared_distance(leaf.mean, hit.mean, hit.covariance + blur) < kQuantile99;
-  }
-  const Eigensystem own(leaf.covariance), other(hit.covariance);
-  const Vector3d n = own.eigenvectors().col(0);
-  if (own.eigenvalues()[0] >= 0.2 * own.eigenvalues()[1]) return false;
-  if (std::abs(n.dot(hit.mean - leaf.mean)) >= 0.06) return false;
-  if (other.eigenvalues()[0] >= 0.2 * other.eigenvalues()[1]) return false;
-  if (repeats(other.eigenvalues()[0], other.eigenvalues()[1], other.eigenvalues()[2])) return std::nullopt;
-  return std::abs(n.dot(other.eigenvectors().col(0))) > 0.95;
+/// Whether a neighbouring hit may be the leaf's own surface.
+bool fits(const ReferenceLeaf& leaf, const Bundle& hit, double tolerance) {
+  const Eigensystem own(leaf.covariance);
+  Vector3d widths = Vector3d::Constant(tolerance);  // along the leaf's axes, the thinnest first
+  if (own.eigenvalues()[0] < 0.2 * own.eigenvalues()[1]) widths[0] /= 3;
+  const Matrix3d blur = own.eigenvectors() * widths.cwiseAbs2().asDiagonal() * own.eigenvectors().transpose();
+  return squared_distance(leaf.mean, hit.mean, hit.covariance + blur) < kQuantile99;
 }
 
 /// Whether the leaf takes no miss.
-std::optional<bool> is_spared(VoxelKey key, const ReferenceLeaf& leaf, const std::vector<Bundle>& bundles,
-                              SurfaceGuard guard, double displacement) {
+bool is_spared(VoxelKey key, const ReferenceLeaf& leaf, const std::vector<Bundle>& bundles,
+               bool spare_reobserved, double tolerance) {
   if (is_hit(bundles, key)) return true;
-  if (guard == SurfaceGuard::kNone) return false;
-  std::optional<bool> result = false;
-  for (const Bundle& hit : bundles) {
-    if ((hit.key.voxel() - key.voxel()).cwiseAbs().maxCoeff() > 1) continue;
-    const auto verdict = spares(leaf, hit, guard, displacement);
-    if (verdict.value_or(false)) return true;
-    if (!verdict) result = std::nullopt;
-  }
-  return result;
+  return spare_reobserved && std::any_of(bundles.begin(), bundles.end(), [&](const Bundle& hit) {
+           return (hit.key.voxel() - key.voxel()).cwiseAbs().maxCoeff() <= 1 && fits(leaf, hit, tolerance);
+         });
 }
 
 /// Equation 6. Returns false when the outcome hangs on undetermined axes or on rounding.
@@ -260,31 +243,11 @@ bool subtract_sigma_points(ReferenceLeaf& leaf, const Vector3d& o, const Bundle&
   return determined;
 }
 
-/// The soft difference in information form, about the leaf's mean.
-void subtract_cylinder(ReferenceLeaf& leaf, const Vector3d& o, const Bundle& bundle, double rho) {
-  const Vector3d u = (bundle.mean - o).normalized();
-  const Matrix3d frame = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), u).toRotationMatrix();
-  const Eigen::Matrix<double, 3, 2> E = frame.leftCols<2>();
-  const Eigen::Matrix2d S_B = E.transpose() * bundle.covariance * E;
-  const Eigen::Matrix2d S_sum = E.transpose() * leaf.covariance * E + S_B;
-  const Vector3d axis = o - leaf.mean;
-  const Eigen::Vector2d lateral = E.transpose() * axis;
-  const double c = rho * std::sqrt(S_B.determinant() / S_sum.determinant()) *
-                   std::exp(-0.5 * lateral.dot(S_sum.inverse() * lateral));
-  const Matrix3d I_B = E * S_B.inverse() * E.transpose();
-  const Matrix3d S_p = (leaf.covariance.inverse() + I_B).inverse();
-  const Vector3d m_p = S_p * I_B * axis;
-  const Vector3d mean = -c * m_p / (1 - c);
-  leaf.covariance = (leaf.covariance - c * (S_p + m_p * m_p.transpose())) / (1 - c) - mean * mean.transpose();
-  leaf.mean += mean;
-  leaf.count *= 1 - c;
-}
-
 /// Equation 7, the union, and one step up.
 void confirm(std::map<VoxelKey, ReferenceLeaf>& leaves, const Bundle& bundle, const VoxelGrid& grid,
-             const UpdateParameters& parameters, int confirmations) {
+             const Parameters& parameters, int confirmations) {
   const auto found = leaves.find(bundle.key);
-  ReferenceLeaf leaf{bundle.mean, bundle.covariance, bundle.count, parameters.hit * (2 - confirmations)};
+  ReferenceLeaf leaf{bundle.mean, bundle.covariance, bundle.count, parameters.update.hit * (2 - confirmations)};
   if (found != leaves.end()) {
     const ReferenceLeaf& old = found->second;
     const double n = old.count + bundle.count;
@@ -294,59 +257,55 @@ void confirm(std::map<VoxelKey, ReferenceLeaf>& leaves, const Bundle& bundle, co
             (old.count * (old.covariance + about(old.mean)) +
              bundle.count * (bundle.covariance + about(bundle.mean))) /
                 n,
-            n, old.log_odds + parameters.hit};
-    if (old.log_odds >= parameters.max_log_odds) {
-      const double most = std::max(parameters.firm_log_odds, parameters.max_log_odds);
-      leaf.log_odds = std::min(old.log_odds + parameters.firming, most);
+            n, old.log_odds + parameters.update.hit};
+    if (old.log_odds >= parameters.update.max_log_odds) {
+      const double most = std::max(parameters.update.long_term_max_log_odds, parameters.update.max_log_odds);
+      leaf.log_odds = std::min(old.log_odds + parameters.update.long_term_hit, most);
     } else {
-      leaf.log_odds = std::min(leaf.log_odds, parameters.max_log_odds);
+      leaf.log_odds = std::min(leaf.log_odds, parameters.update.max_log_odds);
     }
   }
-  leaf.count = std::min(leaf.count, parameters.max_count);
+  leaf.count = std::min(leaf.count, parameters.update.max_count);
   store(leaf, grid.center(bundle.key));
   leaves[bundle.key] = leaf;
 }
 
 }  // namespace
 
-void ReferenceUpdate::add_scan(const Scan& scan, const Pose& T_map_sensor,
-                               const UpdateParameters& parameters) {
+void ReferenceUpdate::add(const Scan& scan, const Pose& T_map_sensor,
+                               const Parameters& parameters) {
   ambiguous.clear();
   for (const Bundle& bundle : condensed(scan, T_map_sensor, grid_, parameters)) {
     confirm(leaves, bundle, grid_, parameters, 1);
   }
 }
 
-void ReferenceUpdate::update(const Scan& scan, const Pose& T_map_sensor, const UpdateParameters& parameters) {
+void ReferenceUpdate::update(const Scan& scan, const Pose& T_map_sensor, const Parameters& parameters) {
   ambiguous.clear();
   const Vector3d o = T_map_sensor.translation;
   const auto bundles = condensed(scan, T_map_sensor, grid_, parameters);
   const double s0 = thickness(grid_, parameters);
   const double error = alignment_error(leaves, bundles);
-  const double displacement = parameters.displacement * error;
+  const double tolerance = parameters.update.surface_tolerance * error;
   for (const auto& [key, contradictions] : gathered(leaves, bundles, grid_, o, error, parameters)) {
     ReferenceLeaf& leaf = leaves.at(key);
-    const auto spared = is_spared(key, leaf, bundles, parameters.surface_guard, displacement);
-    if (!spared) ambiguous.insert(key);
+    const bool spared = is_spared(key, leaf, bundles, parameters.update.spare_reobserved, tolerance);
     for (const Contradiction& c : contradictions) {
-      if (parameters.difference == Difference::kNone) break;
-      if (parameters.difference == Difference::kSoft)
-        subtract_cylinder(leaf, o, *c.bundle, c.impact);
-      else if (!subtract_sigma_points(leaf, o, *c.bundle))
-        ambiguous.insert(key);
+      if (!parameters.update.trim_leaves) break;
+      if (!subtract_sigma_points(leaf, o, *c.bundle)) ambiguous.insert(key);
       leaf.covariance = floored(leaf.covariance, s0 * s0 / 4);
     }
     store(leaf, grid_.center(key));
-    if (spared.value_or(true)) continue;
+    if (spared) continue;
     const bool was_occupied = leaf.log_odds > 0;
-    const double impact = combined(contradictions, parameters.combination);
-    leaf.log_odds = rounded(leaf.log_odds - impact * parameters.miss);
+    const double impact = combined(contradictions, parameters.update.combination);
+    leaf.log_odds = rounded(leaf.log_odds - impact * parameters.update.miss);
     if (leaf.count > 1)
-      leaf.count = rounded(std::max(1.0, leaf.count * (1 - impact * parameters.forgetting)));
-    const double least = rounded(parameters.hit * (2 - parameters.confirmations));
+      leaf.count = rounded(std::max(1.0, leaf.count * (1 - impact * parameters.update.forgetting)));
+    const double least = rounded(parameters.update.hit * (2 - parameters.update.confirmations));
     if (was_occupied ? leaf.log_odds <= 0 : leaf.log_odds < least) leaves.erase(key);
   }
-  for (const Bundle& bundle : bundles) confirm(leaves, bundle, grid_, parameters, parameters.confirmations);
+  for (const Bundle& bundle : bundles) confirm(leaves, bundle, grid_, parameters, parameters.update.confirmations);
 }
 
 }  // namespace evermap::test

@@ -10,7 +10,7 @@
 #include <evermap/geometry/pose.hpp>
 #include <evermap/geometry/voxel_key.hpp>
 #include <evermap/scan/scan.hpp>
-#include <evermap/update/parameters.hpp>
+#include <evermap/maintenance/parameters.hpp>
 
 namespace evermap::test {
 
@@ -29,8 +29,8 @@ class ReferenceUpdate {
  public:
   explicit ReferenceUpdate(const VoxelGrid& grid) : grid_(grid) {}
 
-  void add_scan(const Scan& scan, const Pose& T_map_sensor, const UpdateParameters& parameters);
-  void update(const Scan& scan, const Pose& T_map_sensor, const UpdateParameters& parameters);
+  void add(const Scan& scan, const Pose& T_map_sensor, const Parameters& parameters);
+  void update(const Scan& scan, const Pose& T_map_sensor, const Parameters& parameters);
 
   std::map<VoxelKey, ReferenceLeaf> leaves;
   /// Leaves whose fate in the last scan hung on a direction that nothing determines (an eigenvector of a

@@ -35,7 +35,7 @@ BundleGrid seen(const Octree& octree, const Scan& scan) { return condense(scan, 
 TEST(AlignmentError, IsTheOffsetOfTheScanFromTheMap) {
   Random random(1);
   Octree octree(VoxelGrid{kEdge});
-  add_scan(octree, ground(10, 2.25, 0.002, 50, random), {}, {});
+  add(octree, condense(ground(10, 2.25, 0.002, 50, random), {}, octree.grid(), {}), {});
   for (const double offset : {0.03, -0.08, 0.15}) {
     const double found = alignment_error(octree, seen(octree, ground(10, 2.25 + offset, 0.002, 20, random)));
     EXPECT_NEAR(found, 1.4826 * std::abs(offset), 0.002);
@@ -54,7 +54,7 @@ TEST(AlignmentError, ModerateWhereTooLittleIsFlat) {
   Random random(2);
   Octree octree(VoxelGrid{kEdge});
   EXPECT_EQ(alignment_error(octree, seen(octree, {})), 0.01);
-  add_scan(octree, ground(10, 2.25, 0.002, 50, random), {}, {});
+  add(octree, condense(ground(10, 2.25, 0.002, 50, random), {}, octree.grid(), {}), {});
   EXPECT_EQ(alignment_error(octree, seen(octree, ground(1, 2.35, 0.002, 20, random))), 0.01);  // 16 voxels
   // Too few points a bundle to know better than the noise.
   Scan sparse;
@@ -77,7 +77,7 @@ class TraceThroughAFace : public ::testing::Test {
       const double y = random.uniform(-1.9, 1.9);
       beyond_.p_sensor.emplace_back(12.25, y, random.uniform(-1.9, 1.9));
     }
-    add_scan(octree_, face, {}, {});
+    add(octree_, condense(face, {}, octree_.grid(), {}), {});
   }
 
   Octree octree_{VoxelGrid{kEdge}};
@@ -114,11 +114,11 @@ TEST_F(TraceThroughAFace, HitLeavesTakeNoMiss) {
   const VoxelKey hit = *octree_.grid().key({6.25, 0.25, 0.25});
   beyond_.p_sensor.emplace_back(6.25, 0.25, 0.25);
   UpdateParameters parameters;
-  parameters.surface_guard = SurfaceGuard::kNone;
+  parameters.spare_reobserved = false;
   const BundleGrid bundles = seen(octree_, beyond_);
   for (const LeafEvidence& leaf : trace(octree_, bundles, parameters).leaves) EXPECT_NE(leaf.leaf, hit);
   // Where the geometry is trimmed the leaf is looked at, and still takes no miss.
-  parameters.difference = Difference::kSoft;
+  parameters.trim_leaves = true;
   int found = 0;
   for (const LeafEvidence& leaf : trace(octree_, bundles, parameters).leaves) {
     if (leaf.leaf == hit) ++found;
@@ -136,12 +136,12 @@ TEST_F(TraceThroughAFace, NeighbouringHitsSpareAFaceWithinTheAlignmentError) {
     face.p_sensor.emplace_back(6.49, y, z);
     if (y < -0.51) moved.p_sensor.emplace_back(6.54, y, z);  // a quarter of it; the rest is gone
   }
-  add_scan(octree, face, {}, {});
+  add(octree, condense(face, {}, octree.grid(), {}), {});
   moved.p_sensor.insert(moved.p_sensor.end(), beyond_.p_sensor.begin(), beyond_.p_sensor.end());
   int contradicted[2] = {0, 0};
   for (const int generous : {0, 1}) {
     UpdateParameters parameters;
-    parameters.displacement = generous ? 12 : 0;  // times 1 cm, as nothing is hit that tells
+    parameters.surface_tolerance = generous ? 12 : 0;  // times 1 cm, as nothing is hit that tells
     for (const LeafEvidence& leaf : trace(octree, seen(octree, moved), parameters).leaves) {
       contradicted[generous] += leaf.impact > 0;
     }

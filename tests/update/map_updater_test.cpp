@@ -16,6 +16,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <evermap/maintenance/parameters.hpp>
 #include <evermap/update/map_updater.hpp>
 
 namespace evermap {
@@ -31,8 +32,8 @@ using test::ToyScene;
 /// One way to run the update, and where.
 struct Mode {
   std::string name;
-  UpdateParameters parameters;
-  std::optional<UpdateParameters> base;  ///< what it varies, if any
+  Parameters parameters;
+  std::optional<Parameters> base;  ///< what it varies, if any
   double edge = 0.4;                     ///< [m]
   Vector3d place = Vector3d::Zero();     ///< [m]
   int points = 900;                      ///< of each scan
@@ -40,76 +41,68 @@ struct Mode {
 
 void PrintTo(const Mode& mode, std::ostream* out) { *out << mode.name; }
 
-Mode varied(const std::string& name, const UpdateParameters& base,
-            const std::function<void(UpdateParameters&)>& change) {
+Mode varied(const std::string& name, const Parameters& base,
+            const std::function<void(Parameters&)>& change) {
   Mode mode{name, base, base};
   change(mode.parameters);
   return mode;
 }
 
-using P = UpdateParameters;
+using P = Parameters;
 
 /// The default mode, each of its rules switched, and without the guards, which hide what some rules do.
 std::vector<Mode> default_modes() {
-  const UpdateParameters standard;
-  UpdateParameters bare;
-  bare.surface_guard = SurfaceGuard::kNone;
-  bare.surface_crossing = false;
-  bare.end_guard = 0;
+  const Parameters standard;
+  Parameters bare;
+  bare.update.spare_reobserved = false;
+  bare.update.surface_crossing = false;
+  bare.update.hit_margin = 0;
   return {
       {"Default", standard, {}},
       {"DefaultFineLeaves", standard, {}, 0.2},
       {"DefaultDense", standard, {}, 0.4, Vector3d::Zero(), 4000},
       {"DefaultFarAway", standard, {}, 0.4, Vector3d(1e6, -5e6, 500)},
-      varied("Equation5Inverse", standard, [](P& p) { p.impact = ImpactRule::kEquation5Inverse; }),
-      varied("Equation5Printed", standard, [](P& p) { p.impact = ImpactRule::kEquation5Printed; }),
-      varied("Maximum", standard, [](P& p) { p.combination = Combination::kMaximum; }),
-      varied("NoGuard", standard, [](P& p) { p.surface_guard = SurfaceGuard::kNone; }),
-      varied("CoplanarHit", standard, [](P& p) { p.surface_guard = SurfaceGuard::kCoplanarHit; }),
-      varied("SigmaPoints", standard, [](P& p) { p.difference = Difference::kSigmaPoints; }),
-      varied("Soft", standard, [](P& p) { p.difference = Difference::kSoft; }),
-      varied("Incidence", standard, [](P& p) { p.incidence_weight = true; }),
-      varied("AnyImpact", standard, [](P& p) { p.least_impact = 0; }),
-      varied("LittleDisplacement", standard, [](P& p) { p.displacement = 1; }),
-      varied("OneConfirmation", standard, [](P& p) { p.confirmations = 1; }),
-      varied("TwoConfirmations", standard, [](P& p) { p.confirmations = 2; }),
-      varied("ShortMemory", standard, [](P& p) { p.max_count = 5; }),
-      varied("LowClamp", standard, [](P& p) { p.max_log_odds = 2.5; }),
-      varied("NeverFirm", standard, [](P& p) { p.firming = 0; }),
-      varied("FirmSoon", standard, [](P& p) { p.firming = 3, p.firm_log_odds = 5; }),
-      varied("ForgetsNothing", standard, [](P& p) { p.forgetting = 0; }),
+      varied("Equation5Inverse", standard, [](P& p) { p.update.impact = ImpactRule::kEquation5Inverse; }),
+      varied("Equation5Printed", standard, [](P& p) { p.update.impact = ImpactRule::kEquation5Printed; }),
+      varied("Maximum", standard, [](P& p) { p.update.combination = Combination::kMaximum; }),
+      varied("NoGuard", standard, [](P& p) { p.update.spare_reobserved = false; }),
+      varied("SigmaPoints", standard, [](P& p) { p.update.trim_leaves = true; }),
+      varied("AnyImpact", standard, [](P& p) { p.update.least_impact = 0; }),
+      varied("LittleTolerance", standard, [](P& p) { p.update.surface_tolerance = 1; }),
+      varied("OneConfirmation", standard, [](P& p) { p.update.confirmations = 1; }),
+      varied("TwoConfirmations", standard, [](P& p) { p.update.confirmations = 2; }),
+      varied("ShortMemory", standard, [](P& p) { p.update.max_count = 5; }),
+      varied("LowClamp", standard, [](P& p) { p.update.max_log_odds = 2.5; }),
+      varied("NoLongTerm", standard, [](P& p) { p.update.long_term_hit = 0; }),
+      varied("LongTermSoon", standard, [](P& p) { p.update.long_term_hit = 3, p.update.long_term_max_log_odds = 5; }),
+      varied("ForgetsNothing", standard, [](P& p) { p.update.forgetting = 0; }),
       varied("NearOnly", standard, [](P& p) { p.lidar.min_range = 4, p.lidar.max_range = 15; }),
       varied("CoarseSensor", standard, [](P& p) { p.lidar.range_sigma = 0.05; }),
       {"Bare", bare, {}},
-      varied("BareCrossing", bare, [](P& p) { p.surface_crossing = true; }),
-      varied("BareEndGuard", bare, [](P& p) { p.end_guard = 100; }),
-      varied("BareIncidence", bare, [](P& p) { p.incidence_weight = true; }),
-      varied("BareCoplanarHit", bare, [](P& p) { p.surface_guard = SurfaceGuard::kCoplanarHit; }),
-      varied("BareReobserved", bare, [](P& p) { p.surface_guard = SurfaceGuard::kReobserved; }),
-      varied("BareSoft", bare, [](P& p) { p.difference = Difference::kSoft; }),
+      varied("BareCrossing", bare, [](P& p) { p.update.surface_crossing = true; }),
+      varied("BareHitMargin", bare, [](P& p) { p.update.hit_margin = 100; }),
+      varied("BareReobserved", bare, [](P& p) { p.update.spare_reobserved = true; }),
   };
 }
 
 /// The paper's mode and each of its rules switched.
 std::vector<Mode> paper_modes() {
-  const UpdateParameters paper = UpdateParameters::paper();
+  const Parameters paper = Parameters::paper();
   return {
       {"Paper", paper, {}},
       {"PaperFineLeaves", paper, {}, 0.2},
       {"PaperFarAway", paper, {}, 0.4, Vector3d(1e6, -5e6, 500)},
-      varied("PaperPrinted", paper, [](P& p) { p.impact = ImpactRule::kEquation5Printed; }),
+      varied("PaperPrinted", paper, [](P& p) { p.update.impact = ImpactRule::kEquation5Printed; }),
       varied("PaperClosestApproach", paper,
              [](P& p) {
-               p.impact = ImpactRule::kClosestApproach;
-               p.difference = Difference::kNone;
+               p.update.impact = ImpactRule::kClosestApproach;
+               p.update.trim_leaves = false;
              }),
-      varied("PaperNoisyOr", paper, [](P& p) { p.combination = Combination::kNoisyOr; }),
-      varied("PaperReobserved", paper, [](P& p) { p.surface_guard = SurfaceGuard::kReobserved; }),
-      varied("PaperCoplanarHit", paper, [](P& p) { p.surface_guard = SurfaceGuard::kCoplanarHit; }),
-      varied("PaperSoft", paper, [](P& p) { p.difference = Difference::kSoft; }),
-      varied("PaperNoDifference", paper, [](P& p) { p.difference = Difference::kNone; }),
-      varied("PaperEndGuard", paper, [](P& p) { p.end_guard = 100; }),
-      varied("PaperThreeConfirmations", paper, [](P& p) { p.confirmations = 3; }),
+      varied("PaperNoisyOr", paper, [](P& p) { p.update.combination = Combination::kNoisyOr; }),
+      varied("PaperReobserved", paper, [](P& p) { p.update.spare_reobserved = true; }),
+      varied("PaperNoDifference", paper, [](P& p) { p.update.trim_leaves = false; }),
+      varied("PaperHitMargin", paper, [](P& p) { p.update.hit_margin = 100; }),
+      varied("PaperThreeConfirmations", paper, [](P& p) { p.update.confirmations = 3; }),
   };
 }
 
@@ -182,6 +175,15 @@ void compare(const Octree& octree, ReferenceUpdate& reference, Seen& seen) {
 
 class MapUpdaterMode : public ::testing::TestWithParam<Mode> {};
 
+void integrate(Octree& octree, const Drive::Stop& stop, const Parameters& parameters) {
+  const BundleGrid bundles = condense(stop.scan, stop.T_map_sensor, octree.grid(), parameters.lidar);
+  if (stop.builds) {
+    add(octree, bundles, parameters.update);
+  } else {
+    update(octree, bundles, parameters.update);
+  }
+}
+
 TEST_P(MapUpdaterMode, EqualsTheReference) {
   const Mode& mode = GetParam();
   const VoxelGrid grid = VoxelGrid::around(mode.place, mode.edge);
@@ -191,11 +193,10 @@ TEST_P(MapUpdaterMode, EqualsTheReference) {
     ReferenceUpdate reference(grid);
     for (const Drive::Stop& stop : Drive(mode.place, mode.points, seed).stops) {
       const auto before = reference.leaves;
+      integrate(octree, stop, mode.parameters);
       if (stop.builds) {
-        add_scan(octree, stop.scan, stop.T_map_sensor, mode.parameters);
-        reference.add_scan(stop.scan, stop.T_map_sensor, mode.parameters);
+        reference.add(stop.scan, stop.T_map_sensor, mode.parameters);
       } else {
-        update(octree, stop.scan, stop.T_map_sensor, mode.parameters);
         reference.update(stop.scan, stop.T_map_sensor, mode.parameters);
       }
       compare(octree, reference, seen);
@@ -228,15 +229,7 @@ bool same_bits(const std::pair<VoxelKey, Leaf>& a, const std::pair<VoxelKey, Lea
   return a.first == b.first && std::memcmp(&a.second, &b.second, sizeof(Leaf)) == 0;
 }
 
-void integrate(Octree& octree, const Drive::Stop& stop, const UpdateParameters& parameters) {
-  if (stop.builds) {
-    add_scan(octree, stop.scan, stop.T_map_sensor, parameters);
-  } else {
-    update(octree, stop.scan, stop.T_map_sensor, parameters);
-  }
-}
-
-Octree driven(const Mode& mode, const UpdateParameters& parameters) {
+Octree driven(const Mode& mode, const Parameters& parameters) {
   Octree octree(VoxelGrid::around(mode.place, mode.edge));
   for (const Drive::Stop& stop : Drive(mode.place, mode.points, 1).stops) {
     integrate(octree, stop, parameters);
@@ -259,10 +252,8 @@ INSTANTIATE_TEST_SUITE_P(Paper, MapUpdaterMode, ::testing::ValuesIn(paper_modes(
                          [](const auto& instance) { return instance.param.name; });
 
 TEST(MapUpdater, IsBitIdenticalForAnyNumberOfThreads) {
-  UpdateParameters soft;
-  soft.difference = Difference::kSoft;
   const Drive drive(Vector3d::Zero(), 8000, 3);
-  for (const UpdateParameters& parameters : {UpdateParameters{}, UpdateParameters::paper(), soft}) {
+  for (const Parameters& parameters : {Parameters{}, Parameters::paper()}) {
     std::vector<std::pair<VoxelKey, Leaf>> alone;
     for (const int threads : {1, 2, 3, 8}) {
       const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
@@ -282,33 +273,16 @@ TEST(MapUpdater, IsBitIdenticalForAnyNumberOfThreads) {
   }
 }
 
-TEST(MapUpdater, SummaryAccountsForEveryPoint) {
-  Scan scan;
-  scan.p_sensor = {{0.1, 0, 0}, {300, 0, 0}, {0, 400, 0}, {3, 0, 0}, {3.01, 0, 0}, {5, 5, 0}, {0, 0, 190}};
-  Pose high;
-  high.translation.z() = 0.2 * VoxelKey::kMaxZ - 150;
-  for (const bool builds : {true, false}) {
-    Octree octree(VoxelGrid{0.2});
-    const ScanSummary summary = builds ? add_scan(octree, scan, high, {}) : update(octree, scan, high, {});
-    EXPECT_EQ(summary.points, 7U);
-    EXPECT_EQ(summary.bundles, 2U);
-    EXPECT_EQ(summary.dropped_near, 1U);
-    EXPECT_EQ(summary.dropped_far, 2U);
-    EXPECT_EQ(summary.dropped_out_of_grid, 1U);
-    EXPECT_EQ(octree.leaf_count(), 2U);
-  }
-}
-
-/// A repeated look pulls a leaf towards its points by its novelty only; its word on occupancy is full.
-TEST(MapUpdater, NoveltyWeighsGeometryAlone) {
+/// A repeated look pulls a leaf towards its points by its view_weight only; its word on occupancy is full.
+TEST(MapUpdater, ViewWeightWeighsGeometryAlone) {
   Scan left, right;
   left.p_sensor.assign(4, {3.05, 0.1, 0.1});
   right.p_sensor.assign(4, {3.15, 0.1, 0.1});
   Octree octree(VoxelGrid{0.2});
-  add_scan(octree, left, {}, {});
+  add(octree, condense(left, {}, octree.grid(), {}), {});
   const VoxelKey key = *octree.grid().key(left.p_sensor[0]);
   const float log_odds = octree.find(key)->log_odds;
-  update(octree, right, {}, {}, 0.25);
+  update(octree, condense(right, {}, octree.grid(), {}), {}, 0.25);
   EXPECT_NEAR(octree.gaussian(key, *octree.find(key)).mean.x(), (4 * 3.05 + 3.15) / 5, 1e-6);
   EXPECT_GT(octree.find(key)->log_odds, log_odds);
 }
@@ -320,10 +294,10 @@ TEST(AddScan, OccupiesAtOnceAndContradictsNothing) {
     wall_far.p_sensor.emplace_back(8.1, 0.1 * i - 2.4, 0.2);
   }
   Octree octree(VoxelGrid{0.2});
-  add_scan(octree, wall_near, {}, {});
+  add(octree, condense(wall_near, {}, octree.grid(), {}), {});
   const std::size_t near = octree.leaf_count();
   octree.for_each_leaf([](VoxelKey, const Leaf& leaf) { EXPECT_TRUE(leaf.occupied()); });
-  add_scan(octree, wall_far, {}, {});
+  add(octree, condense(wall_far, {}, octree.grid(), {}), {});
   std::size_t kept = 0;
   octree.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
     EXPECT_FLOAT_EQ(leaf.log_odds, 2.197F);
@@ -331,7 +305,7 @@ TEST(AddScan, OccupiesAtOnceAndContradictsNothing) {
   });
   EXPECT_EQ(kept, near);
   // The update would have erased it in time: the rays behind it pass straight through.
-  for (int i = 0; i < 4; ++i) update(octree, wall_far, {}, {});
+  for (int i = 0; i < 4; ++i) update(octree, condense(wall_far, {}, octree.grid(), {}), {});
   kept = 0;
   octree.for_each_leaf([&](VoxelKey key, const Leaf&) { kept += octree.grid().center(key).x() < 5; });
   EXPECT_LT(kept, near);
@@ -339,10 +313,9 @@ TEST(AddScan, OccupiesAtOnceAndContradictsNothing) {
 
 TEST(Update, EmptyScanChangesNothing) {
   Octree octree(VoxelGrid{0.2});
-  add_scan(octree, Drive(Vector3d::Zero(), 500, 4).stops[0].scan, {}, {});
+  add(octree, condense(Drive(Vector3d::Zero(), 500, 4).stops[0].scan, {}, octree.grid(), {}), {});
   const auto before = leaves_of(octree);
-  const ScanSummary summary = update(octree, {}, {}, {});
-  EXPECT_EQ(summary.points, 0U);
+  update(octree, condense({}, {}, octree.grid(), {}), {});
   const auto after = leaves_of(octree);
   EXPECT_TRUE(std::equal(before.begin(), before.end(), after.begin(), after.end(), same_bits));
 }

@@ -13,28 +13,28 @@ Pose at(double x, double yaw = 0) {
 
 TEST(Viewpoint, RepeatedLooksAddLessAndLess) {
   Viewpoint viewpoint(0.1);
-  for (int k = 1; k <= 5; ++k) EXPECT_DOUBLE_EQ(viewpoint.novelty(at(7.01)), 1.0 / k);
+  for (int k = 1; k <= 5; ++k) EXPECT_DOUBLE_EQ(viewpoint.view_weight(at(7.01)), 1.0 / k);
 }
 
 TEST(Viewpoint, AMoveOrATurnIsANewLook) {
   Viewpoint viewpoint(0.1);
-  EXPECT_EQ(viewpoint.novelty(at(0)), 1);
-  EXPECT_EQ(viewpoint.novelty(at(0.11)), 1);
-  EXPECT_EQ(viewpoint.novelty(at(0.11, 0.02)), 1);
-  EXPECT_EQ(viewpoint.novelty(at(0.11, 0.03)), 0.5);
+  EXPECT_EQ(viewpoint.view_weight(at(0)), 1);
+  EXPECT_EQ(viewpoint.view_weight(at(0.11)), 1);
+  EXPECT_EQ(viewpoint.view_weight(at(0.11, 0.02)), 1);
+  EXPECT_EQ(viewpoint.view_weight(at(0.11, 0.03)), 0.5);
 }
 
 TEST(Viewpoint, CreepingIsMeasuredFromTheFirstLook) {
   Viewpoint viewpoint(0.1);
-  EXPECT_EQ(viewpoint.novelty(at(0)), 1);
-  EXPECT_EQ(viewpoint.novelty(at(0.06)), 0.5);
-  EXPECT_EQ(viewpoint.novelty(at(0.12)), 1);
+  EXPECT_EQ(viewpoint.view_weight(at(0)), 1);
+  EXPECT_EQ(viewpoint.view_weight(at(0.06)), 0.5);
+  EXPECT_EQ(viewpoint.view_weight(at(0.12)), 1);
 }
 
 TEST(Viewpoint, NoRadiusMakesEveryLookNew) {
   Viewpoint viewpoint(0);
-  EXPECT_EQ(viewpoint.novelty(at(0)), 1);
-  EXPECT_EQ(viewpoint.novelty(at(0)), 1);
+  EXPECT_EQ(viewpoint.view_weight(at(0)), 1);
+  EXPECT_EQ(viewpoint.view_weight(at(0)), 1);
 }
 
 }  // namespace

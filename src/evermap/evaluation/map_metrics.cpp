@@ -32,7 +32,7 @@ struct PointsView {
 using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointsView>,
                                                    PointsView, 3, std::uint32_t>;
 
-double share_within(const std::vector<double>& distances, double tolerance) {
+double fraction_within(const std::vector<double>& distances, double tolerance) {
   const auto within =
       std::count_if(distances.begin(), distances.end(), [&](double d) { return d <= tolerance; });
   return static_cast<double>(within) / static_cast<double>(distances.size());
@@ -59,8 +59,12 @@ std::vector<double> nearest_distances(const Points& from, const Points& to) {
   return distances;
 }
 
-double SurfaceComparison::coverage(double tolerance) const { return share_within(truth_to_map, tolerance); }
-double SurfaceComparison::accuracy(double tolerance) const { return share_within(map_to_truth, tolerance); }
+double SurfaceComparison::coverage(double tolerance) const {
+  return fraction_within(truth_to_map, tolerance);
+}
+double SurfaceComparison::accuracy(double tolerance) const {
+  return fraction_within(map_to_truth, tolerance);
+}
 double SurfaceComparison::mean_truth_to_map() const { return mean(truth_to_map); }
 double SurfaceComparison::mean_map_to_truth() const { return mean(map_to_truth); }
 double SurfaceComparison::average_hausdorff_distance() const {
@@ -74,7 +78,7 @@ SurfaceComparison compare_surfaces(const Points& truth, const Points& map) {
   return comparison;
 }
 
-double share_true(const Points& points, const std::function<bool(const Eigen::Vector3d&)>& predicate) {
+double fraction_true(const Points& points, const std::function<bool(const Eigen::Vector3d&)>& predicate) {
   return static_cast<double>(std::count_if(points.begin(), points.end(), predicate)) /
          static_cast<double>(points.size());
 }

@@ -111,11 +111,4 @@ Points contradictable(const Points& points, const VoxelGrid& grid, const std::ve
   return select(points, [&](std::size_t i) { return rays[i] >= kRays; });
 }
 
-Points observed(const Points& points, const std::vector<ScanRays>& scans, double reach) {
-  Points ends;
-  for (const ScanRays& scan : scans) ends.insert(ends.end(), scan.ends.begin(), scan.ends.end());
-  const std::vector<double> distance = nearest_distances(points, ends);
-  return select(points, [&](std::size_t i) { return distance[i] <= reach; });
-}
-
 }  // namespace evermap

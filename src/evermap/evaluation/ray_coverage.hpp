@@ -32,7 +32,4 @@ std::vector<std::uint8_t> scans_beyond(const Points& points, const VoxelGrid& gr
 /// may be scored for what it keeps and erases.
 Points contradictable(const Points& points, const VoxelGrid& grid, const std::vector<ScanRays>& scans);
 
-/// Those of `points` within `reach` [m] of the end of a ray: the surface that the run observed.
-Points observed(const Points& points, const std::vector<ScanRays>& scans, double reach);
-
 }  // namespace evermap

@@ -23,6 +23,9 @@ class VoxelKey {
  public:
   static constexpr int kMaxXY = 1 << 21;
   static constexpr int kMaxZ = 1 << 19;
+  static constexpr int kBrickEdge = 8;   ///< [voxels]
+  static constexpr int kBlockEdge = 64;  ///< [voxels]
+  static constexpr std::uint32_t kVoxelsPerBlock = 1U << 18;
 
   VoxelKey() = default;
   explicit VoxelKey(std::uint64_t bits) : bits_(bits) {}
@@ -62,10 +65,28 @@ class VoxelKey {
   }
 
   std::uint64_t bits() const { return bits_; }
-  std::uint64_t block() const { return bits_ >> 18; }
-  std::uint64_t brick() const { return bits_ >> 9; }  ///< the same for all voxels of one brick
+  std::uint64_t block() const { return bits_ >> 18; }  ///< the same for all voxels of one block
+  std::uint64_t brick() const { return bits_ >> 9; }   ///< the same for all voxels of one brick
   int brick_in_block() const { return static_cast<int>(bits_ >> 9 & 511); }
   int voxel_in_brick() const { return static_cast<int>(bits_ & 511); }
+  std::uint32_t voxel_in_block() const { return static_cast<std::uint32_t>(bits_ & (kVoxelsPerBlock - 1)); }
+
+  /// Whether a number can be a block().
+  static bool is_block(std::uint64_t block) { return block >> 46 == 0; }
+  /// The first voxel of a block. REQUIRES: is_block(block).
+  static VoxelKey first_of_block(std::uint64_t block) { return VoxelKey(block << 18); }
+  /// The first voxel of a brick of this key's block. REQUIRES: 0 <= brick_in_block < 512.
+  VoxelKey first_of_brick(int brick_in_block) const {
+    return VoxelKey(block() << 18 | static_cast<std::uint64_t>(brick_in_block) << 9);
+  }
+  /// A voxel of this key's brick. REQUIRES: 0 <= voxel_in_brick < 512.
+  VoxelKey with_voxel(int voxel_in_brick) const {
+    return VoxelKey(brick() << 9 | static_cast<std::uint64_t>(voxel_in_brick));
+  }
+  /// A voxel of this key's block. REQUIRES: voxel_in_block < kVoxelsPerBlock.
+  VoxelKey with_voxel_in_block(std::uint32_t voxel_in_block) const {
+    return VoxelKey(block() << 18 | voxel_in_block);
+  }
 
   friend auto operator<=>(VoxelKey, VoxelKey) = default;  // NOLINT(modernize-use-nullptr): its literal zero
 

@@ -7,8 +7,8 @@
 #include <unistd.h>
 #include <utility>
 
+#include <evermap/files/file_error.hpp>
 #include <evermap/io/atomic_file.hpp>
-#include <evermap/io/io_error.hpp>
 
 namespace evermap {
 namespace {
@@ -26,9 +26,9 @@ std::filesystem::path follow_links(const std::filesystem::path& path) {
   std::filesystem::path target = path;
   std::error_code error;
   for (int i = 0; std::filesystem::is_symlink(target, error); ++i) {
-    if (i == kMaxLinks) throw IoError(path, "too many symbolic links; name the file itself");
+    if (i == kMaxLinks) throw FileError(path, "too many symbolic links; name the file itself");
     const std::filesystem::path link = std::filesystem::read_symlink(target, error);
-    if (error) throw IoError(path, "cannot read the symbolic link: " + error.message());
+    if (error) throw FileError(path, "cannot read the symbolic link: " + error.message());
     target = folder_of(target) / link;  // operator/ drops the folder when the link is absolute
   }
   return target;
@@ -40,10 +40,10 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)), tar
   struct stat status {};
   const bool exists = ::stat(target_.c_str(), &status) == 0;
   if (!exists && errno != ENOENT) fail(errno, "cannot be written");
-  if (!exists && !target_.has_filename()) throw IoError(path_, "names no file to write; add a file name");
-  if (exists && S_ISDIR(status.st_mode)) throw IoError(path_, "is a folder; name a file in it");
+  if (!exists && !target_.has_filename()) throw FileError(path_, "names no file to write; add a file name");
+  if (exists && S_ISDIR(status.st_mode)) throw FileError(path_, "is a folder; name a file in it");
   if (exists && !S_ISREG(status.st_mode)) {
-    throw IoError(path_, "is a device, pipe or socket and cannot be replaced; name a regular file");
+    throw FileError(path_, "is a device, pipe or socket and cannot be replaced; name a regular file");
   }
   // rename() asks only for a writable folder; a file that its owner has write-protected must survive.
   if (exists && ::faccessat(AT_FDCWD, target_.c_str(), W_OK, AT_EACCESS) != 0)
@@ -127,13 +127,13 @@ void AtomicFile::sync_folder() const {
 }
 
 void AtomicFile::fail(int error, const std::string& what) const {
-  throw IoError(path_, what + ": " + std::generic_category().message(error));
+  throw FileError(path_, what + ": " + std::generic_category().message(error));
 }
 
 void make_folder(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
-  if (error) throw IoError(path, "the folder cannot be made: " + error.message());
+  if (error) throw FileError(path, "the folder cannot be made: " + error.message());
 }
 
 }  // namespace evermap

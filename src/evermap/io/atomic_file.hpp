@@ -15,7 +15,7 @@ namespace evermap {
 /// Bytes go to a temporary file in the same folder; `commit()` syncs it, renames it over `path` and syncs the
 /// folder. Without `commit()` the destructor removes the temporary file and `path` is as it was. A symbolic
 /// link stays and what it points to is replaced; permission bits of a replaced file are kept. Every failure
-/// (no such folder, read-only, no regular file, device full) throws IoError naming `path`. Not thread safe.
+/// (no such folder, read-only, no regular file, device full) throws FileError naming `path`. Not thread safe.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);
@@ -44,7 +44,7 @@ class AtomicFile {
   std::string buffer_;
 };
 
-/// Makes a folder and those above it, where they are missing. Throws IoError.
+/// Makes a folder and those above it, where they are missing. Throws FileError.
 void make_folder(const std::filesystem::path& path);
 
 }  // namespace evermap

@@ -4,8 +4,8 @@
 #include <array>
 #include <string>
 
+#include <evermap/files/file_error.hpp>
 #include <evermap/io/cloud.hpp>
-#include <evermap/io/io_error.hpp>
 #include <evermap/io/kitti_bin.hpp>
 #include <evermap/io/pcd.hpp>
 #include <evermap/io/ply.hpp>
@@ -41,7 +41,7 @@ std::optional<std::string_view> cloud_extension(const std::filesystem::path& pat
 Scan read_cloud(const std::filesystem::path& path) {
   const Format* format = format_of(path);
   if (format == nullptr) {
-    throw IoError(path, "is no known kind of point cloud; known are " + std::string(kCloudExtensions));
+    throw FileError(path, "is no known kind of point cloud; known are " + std::string(kCloudExtensions));
   }
   return format->read(path);
 }

@@ -17,7 +17,7 @@ inline constexpr std::string_view kCloudExtensions = ".bin (KITTI), .pcd and .pl
 std::optional<std::string_view> cloud_extension(const std::filesystem::path& path);
 
 /// Reads a point cloud or scan; the format follows from the extension (.bin .pcd .ply, any case).
-/// Throws IoError when the file is missing, malformed or of another kind. Thread safe.
+/// Throws FileError when the file is missing, malformed or of another kind. Thread safe.
 Scan read_cloud(const std::filesystem::path& path);
 
 }  // namespace evermap

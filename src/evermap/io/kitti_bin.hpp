@@ -9,7 +9,7 @@
 namespace evermap {
 
 /// Reads a scan of the KITTI data sets: x y z [m, sensor frame] intensity, float32, little endian, no header.
-/// Throws IoError when the file cannot be read or is no whole number of points.
+/// Throws FileError when the file cannot be read or is no whole number of points.
 Scan read_kitti_bin(const std::filesystem::path& path);
 
 }  // namespace evermap

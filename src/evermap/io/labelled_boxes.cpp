@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include <evermap/files/text_lines.hpp>
 #include <evermap/io/labelled_boxes.hpp>
-#include <evermap/io/text_lines.hpp>
 
 namespace evermap {
 namespace {

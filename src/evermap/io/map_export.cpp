@@ -9,8 +9,8 @@
 
 #include <octomap/OcTree.h>
 
+#include <evermap/files/file_error.hpp>
 #include <evermap/io/atomic_file.hpp>
-#include <evermap/io/io_error.hpp>
 #include <evermap/io/map_export.hpp>
 #include <evermap/io/pcd.hpp>
 #include <evermap/io/ply.hpp>
@@ -54,9 +54,9 @@ octomap::OcTree octomap_of(const Octree& octree, const std::filesystem::path& pa
     const Eigen::Vector3d center = octree.grid().center(key);
     octomap::OcTreeKey octomap_key;
     if (!tree.coordToKeyChecked(center.x(), center.y(), center.z(), octomap_key)) {
-      throw IoError(path, "the map reaches further from its frame's origin than the " +
-                              std::to_string(32768 * octree.grid().edge) +
-                              " m of an OctoMap of this resolution; export it as .pcd or .ply");
+      throw FileError(path, "the map reaches further from its frame's origin than the " +
+                                std::to_string(32768 * octree.grid().edge) +
+                                " m of an OctoMap of this resolution; export it as .pcd or .ply");
     }
     tree.setNodeValue(octomap_key, leaf.log_odds, true);
   });
@@ -66,7 +66,7 @@ octomap::OcTree octomap_of(const Octree& octree, const std::filesystem::path& pa
 
 void write_stream(const std::filesystem::path& path, const std::function<bool(std::ostream&)>& write) {
   std::ostringstream stream;
-  if (!write(stream) || !stream) throw IoError(path, "OctoMap cannot write this map");
+  if (!write(stream) || !stream) throw FileError(path, "OctoMap cannot write this map");
   AtomicFile file(path);
   file.write(stream.view());
   file.commit();
@@ -112,7 +112,7 @@ Writer writer_for(const std::filesystem::path& path) {
   for (const Format& format : kFormats) {
     if (format.extension == extension) return format.write;
   }
-  throw IoError(path, "no format is known for this extension; known are " + std::string(kExportExtensions));
+  throw FileError(path, "no format is known for this extension; known are " + std::string(kExportExtensions));
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 
 #include <xxhash.h>
 
+#include <evermap/files/input_file.hpp>
 #include <evermap/io/atomic_file.hpp>
-#include <evermap/io/input_file.hpp>
 #include <evermap/io/map_file.hpp>
 
 namespace evermap {
@@ -24,8 +24,6 @@ constexpr std::string_view kMagic =
     "\x89"
     "EVM\r\n\x1a\n";  // as PNG's: damaged by whatever alters text
 constexpr std::string_view kEndMark = "EVM-END\n";
-constexpr int kBlockBits = 46;  // of a block's key
-constexpr int kLeafBits = 18;   // of a leaf's key within its block
 
 struct Header {
   std::array<char, 8> magic;
@@ -73,7 +71,7 @@ T take(std::string_view bytes, std::size_t offset) {
 
 Record to_record(VoxelKey key, const Leaf& leaf) {
   Record record{};
-  record.key_in_block = static_cast<std::uint32_t>(key.bits() & ((1U << kLeafBits) - 1));
+  record.key_in_block = key.voxel_in_block();
   std::copy_n(leaf.mean_in_voxel.data(), 3, record.mean_in_voxel);
   std::copy_n(leaf.covariance.data(), 6, record.covariance);
   record.count = leaf.count;
@@ -204,7 +202,7 @@ class MapReader {
   }
 
   [[noreturn]] void fail_at(std::uint64_t offset, const std::string& what) const {
-    throw IoError(file_.path(), IoError::Unit::kByte, offset, what);
+    throw FileError::at_byte(file_.path(), offset, what);
   }
   [[noreturn]] void fail(const std::string& what) const {
     fail_at(offset_, what + "; the map is damaged, restore it from a copy");
@@ -250,7 +248,7 @@ class MapReader {
       fail_in_block(offset_, "its checksum does not fit");
     }
     const bool ascends = block_ == 0 || block.key > last_block_key_;
-    if (!ascends || block.key >> kBlockBits != 0 || block.leaves == 0) {
+    if (!ascends || !VoxelKey::is_block(block.key) || block.leaves == 0) {
       fail_in_block(offset_, "its key or number of leaves makes no sense");
     }
     last_block_key_ = block.key;
@@ -259,15 +257,16 @@ class MapReader {
 
   void read_leaves(Octree& octree, const BlockHeader& block) const {
     std::int64_t last_key = -1;
+    const VoxelKey first = VoxelKey::first_of_block(block.key);
     BrickReader brick(octree);
     for (std::size_t i = 0; i < block.leaves; ++i) {
       const std::size_t at = sizeof(BlockHeader) + i * sizeof(Record);
       const auto record = take<Record>(section_, at);
-      if (record.key_in_block <= last_key || record.key_in_block >> kLeafBits != 0 || !is_sound(record)) {
+      if (record.key_in_block <= last_key || record.key_in_block >= VoxelKey::kVoxelsPerBlock || !is_sound(record)) {
         fail_in_block(offset_ + at, "leaf " + std::to_string(i) + " makes no sense");
       }
       last_key = record.key_in_block;
-      brick.add(VoxelKey(block.key << kLeafBits | record.key_in_block), to_leaf(record));
+      brick.add(first.with_voxel_in_block(record.key_in_block), to_leaf(record));
     }
     brick.finish();
   }
@@ -289,8 +288,8 @@ void save_map(const std::filesystem::path& path, const Octree& octree) {
   octree.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
     const Record record = to_record(key, leaf);
     if (!is_sound(record)) {
-      throw IoError(path,
-                    "not saved: leaf " + std::to_string(key.bits()) + " holds a value that is not finite");
+      throw FileError(path,
+                      "not saved: leaf " + std::to_string(key.bits()) + " holds a value that is not finite");
     }
     writer.add(key, record);
   });

@@ -20,11 +20,11 @@ inline constexpr double kGreatestLeafEdge = 2.0;
 inline bool is_leaf_edge(double edge) { return edge >= kLeastLeafEdge && edge <= kGreatestLeafEdge; }
 
 /// Writes the map to an `.evm` file, atomically; docs/map_format.md gives every byte. Equal maps give equal
-/// bytes. Throws IoError when the file cannot be written, or the map holds what load_map would refuse (a
+/// bytes. Throws FileError when the file cannot be written, or the map holds what load_map would refuse (a
 /// value that is not finite, say): then the old file is still in place.
 void save_map(const std::filesystem::path& path, const Octree& octree);
 
-/// Reads what save_map wrote. Throws IoError naming block and byte when the file is no map, is of a newer
+/// Reads what save_map wrote. Throws FileError naming block and byte when the file is no map, is of a newer
 /// format, or differs from what was written in a single bit or in its length. Needs no more memory than a
 /// small multiple of the file's true size, whatever the file claims.
 Octree load_map(const std::filesystem::path& path);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <system_error>
 
-#include <evermap/io/io_error.hpp>
+#include <evermap/files/file_error.hpp>
 #include <evermap/io/map_file.hpp>
 #include <evermap/io/map_undo.hpp>
 
@@ -17,7 +17,7 @@ void keep_for_undo(const std::filesystem::path& map) {
   std::error_code error;
   const std::filesystem::path target = std::filesystem::canonical(map, error);  // the file behind links
   if (error == std::errc::no_such_file_or_directory) return;
-  if (error) throw IoError(map, "cannot be kept for undo: " + error.message());
+  if (error) throw FileError(map, "cannot be kept for undo: " + error.message());
   std::filesystem::path temporary = undo_path(map);
   temporary += ".tmp";
   std::filesystem::remove(temporary, error);
@@ -27,19 +27,19 @@ void keep_for_undo(const std::filesystem::path& map) {
     std::filesystem::copy_file(target, temporary, error);  // a file system without hard links
   }
   if (!error) std::filesystem::rename(temporary, undo_path(map), error);
-  if (error) throw IoError(undo_path(map), "the map cannot be kept for undo: " + error.message());
+  if (error) throw FileError(undo_path(map), "the map cannot be kept for undo: " + error.message());
 }
 
 void undo_map(const std::filesystem::path& map) {
   const std::filesystem::path kept = undo_path(map);
   std::error_code error;
   if (!std::filesystem::exists(kept, error)) {
-    throw IoError(kept, "no map was kept here; update and localize keep one with --undo-log");
+    throw FileError(kept, "no map was kept here; update and localize keep one with --undo-log");
   }
   load_map(kept);  // a damaged map must not replace a good one
   const std::filesystem::path target = std::filesystem::weakly_canonical(map, error);
   if (!error) std::filesystem::rename(kept, target, error);
-  if (error) throw IoError(map, "cannot be brought back: " + error.message());
+  if (error) throw FileError(map, "cannot be brought back: " + error.message());
 }
 
 }  // namespace evermap

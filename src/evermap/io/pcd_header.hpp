@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <optional>
 
+#include <evermap/files/record_layout.hpp>
+#include <evermap/files/text_lines.hpp>
 #include <evermap/geometry/pose.hpp>
-#include <evermap/io/record_layout.hpp>
-#include <evermap/io/text_lines.hpp>
 
 namespace evermap {
 
@@ -21,7 +21,7 @@ struct PcdHeader {
   PcdEncoding encoding = PcdEncoding::kAscii;
 };
 
-/// Reads the header and leaves `lines` at its last one, DATA. Throws IoError naming the line that is wrong.
+/// Reads the header and leaves `lines` at its last one, DATA. Throws FileError naming the line that is wrong.
 PcdHeader read_pcd_header(const InputFile& file, TextLines& lines);
 
 }  // namespace evermap

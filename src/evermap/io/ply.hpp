@@ -10,11 +10,11 @@
 namespace evermap {
 
 /// Reads the vertices of a PLY file: ascii (one element per line) or binary of either byte order, properties
-/// of any order and type, see ScanBuilder for those used. Other elements are skipped. Throws IoError when the
-/// file is damaged, has no vertices, or its vertices have a list.
+/// of any order and type, see ScanBuilder for those used. Other elements are skipped. Throws FileError when
+/// the file is damaged, has no vertices, or its vertices have a list.
 Scan read_ply(const std::filesystem::path& path);
 
-/// Writes a binary little-endian PLY file, atomically. Throws IoError when it cannot be written,
+/// Writes a binary little-endian PLY file, atomically. Throws FileError when it cannot be written,
 /// std::invalid_argument when the table is malformed.
 void write_ply(const std::filesystem::path& path, const PointTable& table);
 

@@ -18,13 +18,13 @@ struct StampedPose {
 
 /// Reads TUM (`t x y z qx qy qz qw`) or KITTI (12 numbers, row-major 3x4) poses; the number of columns tells
 /// which. Blank lines and lines that begin with `#` are skipped. Quaternions are normalized, matrices
-/// replaced by the nearest rotation. Throws IoError naming the line for: another number of columns, something
-/// that is no finite number, a quaternion of norm 0 (or further than 1e-2 from 1), a matrix that is no
-/// rotation (tolerance 1e-3), time not strictly increasing; and without a line for a file that cannot be read
-/// or holds no pose.
+/// replaced by the nearest rotation. Throws FileError naming the line for: another number of columns,
+/// something that is no finite number, a quaternion of norm 0 (or further than 1e-2 from 1), a matrix that is
+/// no rotation (tolerance 1e-3), time not strictly increasing; and without a line for a file that cannot be
+/// read or holds no pose.
 std::vector<StampedPose> read_poses(const std::filesystem::path& path);
 
-/// Writes TUM poses atomically, times with six decimals. Throws IoError when the file cannot be written.
+/// Writes TUM poses atomically, times with six decimals. Throws FileError when the file cannot be written.
 /// REQUIRES: every pose has a time.
 void write_tum_poses(const std::filesystem::path& path, const std::vector<StampedPose>& poses);
 

@@ -9,9 +9,9 @@
 #include <optional>
 #include <vector>
 
-#include <evermap/io/input_file.hpp>
-#include <evermap/io/record_layout.hpp>
-#include <evermap/io/text_lines.hpp>
+#include <evermap/files/input_file.hpp>
+#include <evermap/files/record_layout.hpp>
+#include <evermap/files/text_lines.hpp>
 #include <evermap/scan/scan.hpp>
 
 namespace evermap {
@@ -24,10 +24,10 @@ namespace evermap {
 /// file. Not thread safe.
 class ScanBuilder {
  public:
-  /// Throws IoError when x, y or z is missing or ambiguous.
+  /// Throws FileError when x, y or z is missing or ambiguous.
   ScanBuilder(const InputFile& file, const RecordLayout& layout);
 
-  /// Adds `points` records that stand one after the other in the file from byte `offset` on. Throws IoError
+  /// Adds `points` records that stand one after the other in the file from byte `offset` on. Throws FileError
   /// at the first record that is not complete, before memory is taken for any.
   void add_records(std::size_t offset, std::uint64_t points, std::endian order);
 
@@ -35,7 +35,7 @@ class ScanBuilder {
   /// REQUIRES: bytes holds points * stride bytes, little endian.
   void add_columns(const char* bytes, std::size_t points);
 
-  /// Adds the next `points` filled lines, one point each. Throws IoError at a line with another number of
+  /// Adds the next `points` filled lines, one point each. Throws FileError at a line with another number of
   /// values and when there are too few lines.
   void add_lines(TextLines& lines, std::uint64_t points);
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <system_error>
 
+#include <evermap/files/file_error.hpp>
 #include <evermap/io/cloud.hpp>
-#include <evermap/io/io_error.hpp>
 #include <evermap/io/scan_source.hpp>
 
 namespace evermap {
@@ -25,7 +25,7 @@ std::vector<std::filesystem::path> clouds_in(const std::filesystem::path& folder
       files.push_back(file);
     }
   }
-  if (error) throw IoError(folder, "cannot be listed: " + error.message());
+  if (error) throw FileError(folder, "cannot be listed: " + error.message());
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -36,16 +36,16 @@ ScanSource::ScanSource(const std::filesystem::path& path) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) {
-    throw IoError(path, "cannot be read: " + error.message() + "; check the path");
+    throw FileError(path, "cannot be read: " + error.message() + "; check the path");
   }
   files_ = std::filesystem::is_directory(status) ? clouds_in(path) : std::vector{path};
   if (files_.empty() || !cloud_extension(files_.front())) {
-    throw IoError(path, "holds no scan; known are " + std::string(kCloudExtensions));
+    throw FileError(path, "holds no scan; known are " + std::string(kCloudExtensions));
   }
   for (const std::filesystem::path& file : files_) {
     if (cloud_extension(file) == cloud_extension(files_.front())) continue;
-    throw IoError(path, "mixes formats, as of " + files_.front().filename().string() + " and " +
-                            file.filename().string() + "; leave one format in the folder");
+    throw FileError(path, "mixes formats, as of " + files_.front().filename().string() + " and " +
+                              file.filename().string() + "; leave one format in the folder");
   }
 }
 

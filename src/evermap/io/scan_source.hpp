@@ -12,7 +12,7 @@
 namespace evermap {
 
 /// A sequence of scans, read one at a time: a folder of .bin, .pcd or .ply files in the order of their names
-/// (one format per folder), or one such file. The constructor throws IoError when there is no scan in it or
+/// (one format per folder), or one such file. The constructor throws FileError when there is no scan in it or
 /// the formats are mixed; files of other kinds and hidden ones are ignored. Not thread safe.
 class ScanSource {
  public:
@@ -20,7 +20,7 @@ class ScanSource {
 
   std::size_t size() const { return files_.size(); }
   const std::filesystem::path& file(std::size_t index) const { return files_[index]; }
-  /// The next scan, none after the last. Throws IoError when its file is damaged.
+  /// The next scan, none after the last. Throws FileError when its file is damaged.
   std::optional<Scan> next();
 
  private:

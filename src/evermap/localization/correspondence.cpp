@@ -10,7 +10,7 @@
 namespace evermap {
 namespace {
 
-/// How near to a face a bundle may belong beyond it although its own voxel holds a leaf; a share of the edge.
+/// How near to a face a bundle may belong beyond it although its own voxel holds a leaf; a fraction of the edge.
 constexpr double kNearFace = 0.2;
 
 /// A leaf that a bundle may belong to.

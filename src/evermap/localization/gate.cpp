@@ -33,7 +33,7 @@ RejectReason reason(const Registration& registration) {
 
 }  // namespace
 
-RejectReason Gate::doubt(const Registration& registration, const Pose& T_map_sensor_predicted,
+RejectReason Gate::judge(const Registration& registration, const Pose& T_map_sensor_predicted,
                          double slack) const {
   if (!registration.is_usable()) return reason(registration);
   const GateParameters& p = parameters_;
@@ -51,7 +51,8 @@ RejectReason Gate::doubt(const Registration& registration, const Pose& T_map_sen
   return RejectReason::kNone;
 }
 
-RejectReason Gate::judge(const Hypothesis& winner, const Pose& T_map_sensor_predicted, double slack) const {
+RejectReason Gate::judge_winner(const Hypothesis& winner, const Pose& T_map_sensor_predicted,
+                                double slack) const {
   const Registration& registration = winner.registration;
   const RejectReason outcome = reason(registration);
   if (outcome != RejectReason::kNone) return outcome;

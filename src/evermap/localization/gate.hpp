@@ -38,9 +38,9 @@ class Gate {
 
   /// What is unusual about this pose, so that other places must be looked at; kNone when nothing is. `slack`
   /// widens the distance to the prediction.
-  RejectReason doubt(const Registration& registration, const Pose& T_map_sensor_predicted, double slack) const;
+  RejectReason judge(const Registration& registration, const Pose& T_map_sensor_predicted, double slack) const;
   /// Why this place, which beat all others, is not to be believed; kNone when it is.
-  RejectReason judge(const Hypothesis& winner, const Pose& T_map_sensor_predicted, double slack) const;
+  RejectReason judge_winner(const Hypothesis& winner, const Pose& T_map_sensor_predicted, double slack) const;
   /// Takes a scan that passed. `is_predicted`: whether its prediction came from known motion.
   void remember(const Registration& passed, const Pose& T_map_sensor_predicted, bool is_predicted);
 

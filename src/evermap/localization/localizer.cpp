@@ -82,7 +82,7 @@ Localization Localizer::propose(const Octree& map, const Scan& raw, double time,
     if (found.motion_is_known) undistort(map, raw, found);
   }
   const auto is_doubtful = [&] {
-    return gate_.doubt(found.hypotheses.front().registration, found.T_map_sensor_predicted, found.slack) !=
+    return gate_.judge(found.hypotheses.front().registration, found.T_map_sensor_predicted, found.slack) !=
            RejectReason::kNone;
   };
   found.is_contested = !found.motion_is_known || effort == Effort::kThorough || is_doubtful();
@@ -104,7 +104,7 @@ void Localizer::choose(Localization& found) const {
   found.registration = winner.registration;
   // A search has its own reach.
   const Pose& expected = found.is_search ? winner.registration.T_map_sensor : found.T_map_sensor_predicted;
-  found.reject_reason = gate_.judge(winner, expected, found.slack);
+  found.reject_reason = gate_.judge_winner(winner, expected, found.slack);
   if (found.reject_reason == RejectReason::kNone && has_rival(found.hypotheses, best)) {
     found.reject_reason = RejectReason::kAmbiguous;
   }

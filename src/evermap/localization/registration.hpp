@@ -34,7 +34,7 @@ struct Registration {
   RejectReason reject_reason = RejectReason::kTooFewBundles;  ///< kNone when it converged
   Observability observability;
   double inlier_fraction = 0;               ///< of the bundles that have a leaf: within the 95 % ellipsoid
-  double matched_fraction = 0;              ///< of all bundles: have a leaf
+  double matched_fraction = 1;              ///< of all bundles: have a leaf
   double residual = 0;                   ///< mean squared Mahalanobis distance of the inliers
   int iterations = 0;
 

@@ -15,7 +15,7 @@ struct RelocationParameters {
   double step = 1;                                ///< [m] between tries
   double turn_step = 5 * std::numbers::pi / 180;  ///< [rad]
   int finalists = 5;                              ///< places that are registered in full
-  double rival = 0.9;  ///< of the winner's inlier share: another place that reaches it makes it ambiguous
+  double rival = 0.9;  ///< of the winner's inlier fraction: another place that reaches it makes it ambiguous
 };
 
 /// Places around a pose where a scan may be: scores every offset on a coarse view of the map and registers the
@@ -26,7 +26,7 @@ std::vector<Registration> places(const Octree& map, const Scan& scan, const Pose
 
 /// Searches the surroundings of a pose: scores every offset on a coarse view of the map, registers the best
 /// ones. One score decides nothing: where two places fit alike (an aisle of equal posts) the outcome is
-/// kAmbiguous. Assumes that z is up. Reads the map only; same result for any number of threads.
+/// RejectReason::kAmbiguous. Assumes that z is up. Reads the map only; same result for any number of threads.
 Registration relocate(const Octree& map, const Scan& scan, const Pose& T_map_sensor_last,
                       const LidarParameters& lidar, const RegistrationParameters& registration,
                       const RelocationParameters& parameters);

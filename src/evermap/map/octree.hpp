@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -38,8 +39,11 @@ struct PlacedBrick {
 ///                     512-bit mask of bricks       512-bit mask of leaves      Gaussian, log-odds
 ///
 /// Each wide node is three levels of halving folded into one, so a ray learns from one bit that 8 x 8 x 8
-/// voxels hold nothing. Const members may be called from several threads at once; the others need exclusive
-/// access.
+/// voxels hold nothing.
+///
+/// A copy is a snapshot: it takes one hash table of nodes, and shares each brick until one side changes it.
+/// Const members, copying among them, may be called from several threads at once; the others need exclusive
+/// access to this map, not to its copies.
 class Octree {
  public:
   using Block = WideNode<Brick>;
@@ -55,20 +59,27 @@ class Octree {
     return found == blocks_.end() ? nullptr : &found->second;
   }
   Block* find_block(std::uint64_t block_key) {
-    return const_cast<Block*>(std::as_const(*this).find_block(block_key));
+    const auto found = blocks_.find(block_key);
+    return found == blocks_.end() ? nullptr : &found->second;
   }
   /// The brick that holds this voxel, if it holds any leaf.
   const Brick* find_brick(VoxelKey key) const {
     const Block* block = find_block(key.block());
     return block ? block->find(key.brick_in_block()) : nullptr;
   }
-  Brick* find_brick(VoxelKey key) { return const_cast<Brick*>(std::as_const(*this).find_brick(key)); }
+  Brick* find_brick(VoxelKey key) {
+    Block* block = find_block(key.block());
+    return block ? block->find(key.brick_in_block()) : nullptr;
+  }
 
   const Leaf* find(VoxelKey key) const {
     const Brick* brick = find_brick(key);
     return brick ? brick->find(key.voxel_in_brick()) : nullptr;
   }
-  Leaf* find(VoxelKey key) { return const_cast<Leaf*>(std::as_const(*this).find(key)); }
+  Leaf* find(VoxelKey key) {
+    Brick* brick = find_brick(key);
+    return brick ? brick->find(key.voxel_in_brick()) : nullptr;
+  }
 
   /// The leaf of this voxel, made when there is none. Pointers to other leaves become invalid.
   Leaf& find_or_insert(VoxelKey key) {
@@ -78,6 +89,11 @@ class Octree {
     leaf_count_ += brick.size() - before;
     return leaf;
   }
+
+  /// Makes the leaves of these voxels this map's own, so that several threads may change them at once, each
+  /// its own leaves. Takes no time when the map has no copies. REQUIRES: keys ascend.
+  template <class Items, class KeyOf>
+  void own(const Items& items, KeyOf&& key_of);
 
   /// Puts a whole brick into its place. REQUIRES: the map holds no leaf there, the brick holds some.
   void insert_brick(VoxelKey key, Brick brick) {
@@ -120,6 +136,7 @@ class Octree {
   VoxelGrid grid_;
   std::unordered_map<std::uint64_t, Block, BlockHash> blocks_;
   std::size_t leaf_count_ = 0;
+  std::shared_ptr<const int> copies_ = std::make_shared<int>(0);  ///< shared by all copies, to count them
 };
 
 /// Finds leaves one after the other, and fast where they follow one another in a brick or a block. Becomes
@@ -151,5 +168,17 @@ class LeafFinder {
   decltype(std::declval<Map&>().find_block(0)) block_ = nullptr;
   decltype(std::declval<Map&>().find_brick(VoxelKey())) brick_ = nullptr;
 };
+
+template <class Items, class KeyOf>
+void Octree::own(const Items& items, KeyOf&& key_of) {
+  if (copies_.use_count() == 1) return;
+  std::uint64_t brick = std::numeric_limits<std::uint64_t>::max();
+  for (const auto& item : items) {
+    const VoxelKey key = key_of(item);
+    if (key.brick() == brick) continue;
+    brick = key.brick();
+    if (Brick* own_brick = find_brick(key)) own_brick->own();
+  }
+}
 
 }  // namespace evermap

@@ -13,6 +13,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <evermap/map/shared_array.hpp>
+
 namespace evermap {
 
 /// A set of positions in 8 x 8 x 8: bit i of word i / 64 stands for i = z << 6 | y << 3 | x.
@@ -57,6 +59,8 @@ class Mask512 {
 ///   rank   8 x 16 bit   children below each layer, so that a child is found by one popcount
 ///   items  children in the order of set bits
 ///
+/// Copies share their children until one of them changes some (see SharedArray).
+///
 /// Class invariant: rank[z] = popcount of the layers below z; items.size() = popcount of the whole mask.
 template <class Child>
 class WideNode {
@@ -70,25 +74,28 @@ class WideNode {
   }
 
   const Child* find(int index) const { return has(index) ? &items_[position(index)] : nullptr; }
-  Child* find(int index) { return has(index) ? &items_[position(index)] : nullptr; }
+  Child* find(int index) { return has(index) ? &items_.own(position(index)) : nullptr; }
   bool has(int index) const { return mask_.has(index); }
   const Mask512& mask() const { return mask_; }
 
   Child& find_or_insert(int index) {
     const std::size_t at = position(index);
-    if (has(index)) return items_[at];
+    if (has(index)) return items_.own(at);
     mask_.set(index);
     update_ranks();
-    // Grown by a quarter, not doubled: most of a map's memory is here.
-    if (items_.size() == items_.capacity()) items_.reserve(items_.size() + 1 + items_.size() / 4);
-    return *items_.insert(items_.begin() + static_cast<std::ptrdiff_t>(at), Child{});
+    return items_.insert(at);
   }
 
   void erase(int index) {
     if (!has(index)) return;
-    items_.erase(items_.begin() + static_cast<std::ptrdiff_t>(position(index)));
+    items_.erase(position(index));
     mask_.reset(index);
     update_ranks();
+  }
+
+  /// Makes all children this node's own, so that `find` changes nothing but the child.
+  void own() {
+    if (!empty()) items_.own(0);
   }
 
   bool empty() const { return items_.empty(); }
@@ -98,7 +105,7 @@ class WideNode {
   /// Calls visit(index, child) in the order of indices.
   template <class Visit>
   void for_each(Visit&& visit) const {
-    auto item = items_.begin();
+    const Child* item = items_.data();
     for (int z = 0; z < 8; ++z) {
       for (std::uint64_t bits = mask_.layer(z); bits != 0; bits &= bits - 1) {
         visit(64 * z + std::countr_zero(bits), *item++);
@@ -121,7 +128,7 @@ class WideNode {
 
   Mask512 mask_;
   std::array<std::uint16_t, 8> rank_{};
-  std::vector<Child> items_;
+  SharedArray<Child> items_;
 };
 
 }  // namespace evermap

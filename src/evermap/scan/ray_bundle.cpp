@@ -117,8 +117,8 @@ RayBundle bundle_of(std::span<const Run> runs, std::span<const Eigen::Vector3d> 
 
 }  // namespace
 
-double least_thickness(const LidarParameters& lidar, const VoxelGrid& grid) {
-  return std::max(lidar.range_sigma, 0.02 * grid.edge);
+double least_thickness(double range_sigma, const VoxelGrid& grid) {
+  return std::max(range_sigma, 0.02 * grid.edge);
 }
 
 const RayBundle* BundleGrid::find(VoxelKey key) const {
@@ -131,6 +131,7 @@ BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid&
                     const LidarParameters& lidar, std::size_t max_bundles) {
   BundleGrid result;
   result.origin_map = T_map_sensor.translation;
+  result.range_sigma = lidar.range_sigma;
   const std::size_t count = scan.p_sensor.size();
   std::vector<Eigen::Vector3d> p_map(count);
   std::vector<Stretch> stretches(chunks(count, kGrain));
@@ -153,7 +154,7 @@ BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid&
     if (i == 0 || runs[i].key != runs[i - 1].key) begin.push_back(i);
   }
   begin.push_back(runs.size());
-  const double thickness = least_thickness(lidar, grid);
+  const double thickness = least_thickness(lidar.range_sigma, grid);
   const std::size_t voxels = begin.size() - 1;
   result.bundles_.resize(std::min(voxels, max_bundles));
   for_each_index(result.bundles_.size(), kGrain, [&](std::size_t i) {

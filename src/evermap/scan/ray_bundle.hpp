@@ -20,12 +20,13 @@ struct RayBundle {
   Gaussian points;  ///< N_R(mu_R, S_R), n_R; S_R is positive definite
 };
 
-/// Which returns are used, and how exact they are.
+/// The sensor: which of its returns are used, how exact they are, and when they come.
 struct LidarParameters {
   double min_range = 0.5;     ///< [m] nearer returns are the vehicle itself
   double max_range = 200.0;   ///< [m]
   double scan_period = 0.1;   ///< [s] from the first return of a scan to the last
   double range_sigma = 0.02;  ///< [m] standard deviation of a return's distance
+  double scan_period = 0.1;   ///< [s] from the first return of a scan to the last
 };
 
 /// A scan condensed into ray bundles, findable by voxel. Const members are thread safe.
@@ -38,6 +39,7 @@ class BundleGrid {
   const RayBundle* find(VoxelKey key) const;
 
   Eigen::Vector3d origin_map = Eigen::Vector3d::Zero();  ///< [m] o, the sensor's position
+  double range_sigma = 0;                                ///< [m] of the returns' distances
   std::size_t dropped_near = 0;                          ///< points below min_range
   std::size_t dropped_far = 0;                           ///< points above max_range
   std::size_t dropped_out_of_grid = 0;                   ///< points beyond the range of keys
@@ -60,6 +62,6 @@ BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid&
                     std::size_t max_bundles = std::numeric_limits<std::size_t>::max());
 
 /// The thickness s0 [m] that a surface has at least, for this sensor and voxel size.
-double least_thickness(const LidarParameters& lidar, const VoxelGrid& grid);
+double least_thickness(double range_sigma, const VoxelGrid& grid);
 
 }  // namespace evermap

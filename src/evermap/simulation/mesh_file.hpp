@@ -8,8 +8,8 @@
 
 namespace evermap {
 
-/// Reads vertices and faces of a PLY file (ascii or binary little endian); faces of more than three corners
-/// become fans of triangles. Throws ScenarioError naming the file when it is missing, damaged or has no face.
+/// Reads vertices and faces of a PLY file (see PlyReader); faces of more than three corners
+/// become fans of triangles. Throws FileError naming the file when it is missing, damaged or has no face.
 TriangleMesh read_mesh(const std::filesystem::path& path);
 
 }  // namespace evermap

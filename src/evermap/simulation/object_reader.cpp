@@ -197,7 +197,7 @@ Body ObjectReader::read_body(const YamlValue& value) const {
 TriangleMesh ObjectReader::read_mesh_of(const YamlValue& value) const {
   try {
     return read_mesh(folder_ / value.text());
-  } catch (const ScenarioError& error) {
+  } catch (const FileError& error) {
     value.fail(error.what());
   }
 }

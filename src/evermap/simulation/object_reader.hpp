@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include <evermap/files/yaml_value.hpp>
 #include <evermap/simulation/scenario.hpp>
-#include <evermap/simulation/yaml_value.hpp>
 
 namespace evermap {
 

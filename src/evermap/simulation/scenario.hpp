@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <variant>
@@ -20,15 +19,6 @@
 #include <evermap/simulation/scene.hpp>
 
 namespace evermap {
-
-/// A scenario that cannot be. `what()` is one line: `path: at line 7: message`, without a line where none is
-/// to blame.
-class ScenarioError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-  ScenarioError(const std::string& source, int line, const std::string& message)
-      : std::runtime_error(source + ": at line " + std::to_string(line) + ": " + message) {}
-};
 
 /// What becomes of an object, for whoever scores a map.
 enum class ObjectClass : std::uint8_t {
@@ -123,10 +113,10 @@ struct Scenario {
   std::vector<ScenarioObject> objects;  ///< ids are 1, 2, ... in this order; the ground is 0
 };
 
-/// Throws ScenarioError naming the line of what is wrong.
+/// Throws FileError naming the line of what is wrong.
 Scenario read_scenario(const std::filesystem::path& path);
 
-/// One of those that come with the library. Throws ScenarioError when there is none of that name.
+/// One of those that come with the library. Throws FileError when there is none of that name.
 Scenario shipped_scenario(const std::string& name);
 std::vector<std::string> shipped_scenario_names();
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include <evermap/files/file_error.hpp>
 #include <evermap/simulation/noise.hpp>
 #include <evermap/simulation/scenario_drive.hpp>
 #include <evermap/simulation/surface_index.hpp>
@@ -232,8 +233,8 @@ void ScenarioDrive::check_sensor_is_free() const {
     const Eigen::Vector3d p_map = T_map_sensor(i).translation;
     const std::string at_scan = " at scan " + std::to_string(i);
     if (!scenario_.area.contains(p_map.head<2>())) {
-      throw ScenarioError(scenario_.source, scenario_.robot_line,
-                          "the robot leaves the ground's area" + at_scan);
+      throw FileError::at_line(scenario_.source, scenario_.robot_line,
+                               "the robot leaves the ground's area" + at_scan);
     }
     const Scene changing = changing_scene(time(i));
     if (!unchanging.buried(p_map) && !SurfaceIndex(changing).buried(p_map)) continue;
@@ -243,9 +244,10 @@ void ScenarioDrive::check_sensor_is_free() const {
       if (object.run)
         ObjectBuilder(alone, scenario_.ground, static_cast<int>(k) + 1).add(*object.run, time(i));
       if (!SurfaceIndex(alone).buried(p_map)) continue;
-      throw ScenarioError(scenario_.source, object.line, object.name + " contains the sensor" + at_scan);
+      throw FileError::at_line(scenario_.source, object.line, object.name + " contains the sensor" + at_scan);
     }
-    throw ScenarioError(scenario_.source, scenario_.robot_line, "the ground contains the sensor" + at_scan);
+    throw FileError::at_line(scenario_.source, scenario_.robot_line,
+                             "the ground contains the sensor" + at_scan);
   }
 }
 

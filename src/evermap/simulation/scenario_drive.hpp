@@ -33,7 +33,7 @@ struct LabelledScan {
 /// Thread safe; the same scenario gives the same scans, whatever was asked before.
 class ScenarioDrive {
  public:
-  /// Throws ScenarioError when an object contains the sensor at some scan.
+  /// Throws FileError when an object contains the sensor at some scan.
   explicit ScenarioDrive(Scenario scenario);
 
   const Scenario& scenario() const { return scenario_; }

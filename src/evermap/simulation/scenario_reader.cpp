@@ -2,17 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <numbers>
-#include <system_error>
 
+#include <evermap/files/input_file.hpp>
+#include <evermap/files/yaml_value.hpp>
 #include <evermap/simulation/object_reader.hpp>
 #include <evermap/simulation/scenario.hpp>
 #include <evermap/simulation/shipped.hpp>
 #include <evermap/simulation/terrain.hpp>
-#include <evermap/simulation/yaml_value.hpp>
 
 namespace evermap {
 namespace {
@@ -178,12 +176,8 @@ Scenario parse(const std::string& source, std::string text, const std::filesyste
 }  // namespace
 
 Scenario read_scenario(const std::filesystem::path& path) {
-  std::error_code error;
-  const bool is_folder = std::filesystem::is_directory(path, error);
-  std::ifstream file(path, std::ios::binary);
-  if (is_folder || !file) throw ScenarioError(path.string() + ": No such file, or it cannot be read");
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  return parse(path.string(), std::move(text), path.parent_path());
+  const InputFile file(path);
+  return parse(path.string(), std::string(file.bytes()), path.parent_path());
 }
 
 Scenario shipped_scenario(const std::string& name) {
@@ -191,7 +185,7 @@ Scenario shipped_scenario(const std::string& name) {
   if (!text.empty()) return parse(name, std::string(text), {});
   std::string known;
   for (const std::string& other : shipped_scenario_names()) known += " " + other;
-  throw ScenarioError("there is no scenario " + name + "; shipped are" + known);
+  throw FileError(name, "is no shipped scenario; there are" + known);
 }
 
 std::vector<std::string> shipped_scenario_names() {

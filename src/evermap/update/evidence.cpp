@@ -10,7 +10,7 @@
 #include <evermap/geometry/neighbourhood.hpp>
 #include <evermap/update/evidence.hpp>
 #include <evermap/update/impact.hpp>
-#include <evermap/update/meeting.hpp>
+#include <evermap/update/encounter.hpp>
 
 namespace evermap {
 namespace {
@@ -22,13 +22,13 @@ std::vector<Contradiction> gather(const Octree& octree, const BundleGrid& bundle
                                   std::span<const PlacedBrick> bricks, double error,
                                   const UpdateParameters& parameters) {
   std::vector<Contradiction> found;
-  for (const Meeting& met : meet(bundles, fan, bricks, parameters)) {
-    const RayBundle& bundle = bundles.bundles()[met.bundle];
-    const Ray ray{bundles.origin_map, met.target.end_map};
-    const double value = impact(octree.gaussian(met.key, *met.leaf), ray, bundle.points.covariance,
-                                met.target.until, error, parameters);
-    if (value <= 0 || met.key == bundle.key) continue;
-    found.push_back({met.key, met.bundle, static_cast<float>(value)});
+  for (const Encounter& encounter : find_encounters(bundles, fan, bricks, parameters)) {
+    const RayBundle& bundle = bundles.bundles()[encounter.bundle];
+    const Ray ray{bundles.origin_map, encounter.target.end_map};
+    const double value = impact(octree.gaussian(encounter.key, *encounter.leaf), ray, bundle.points.covariance,
+                                encounter.target.until, error, parameters);
+    if (value <= 0 || encounter.key == bundle.key) continue;
+    found.push_back({encounter.key, encounter.bundle, static_cast<float>(value)});
   }
   std::sort(found.begin(), found.end(), [](const Contradiction& a, const Contradiction& b) {
     return a.leaf != b.leaf ? a.leaf < b.leaf : a.bundle < b.bundle;
@@ -40,7 +40,7 @@ std::vector<Contradiction> gather(const Octree& octree, const BundleGrid& bundle
 /// them.
 std::vector<Contradiction> find_contradictions(const Octree& octree, const BundleGrid& bundles, double error,
                                                const UpdateParameters& parameters) {
-  const RayFan fan(octree.grid(), bundles.origin_map, looked_at(bundles, parameters));
+  const RayFan fan(octree.grid(), bundles.origin_map, looked_at(bundles));
   const std::vector<PlacedBrick> bricks = octree.bricks_in(fan.voxels());
   std::vector<std::vector<Contradiction>> found(chunks(bricks.size(), kGrain));
   for_each_chunk(bricks.size(), kGrain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
@@ -62,38 +62,25 @@ double combine(std::span<const Contradiction> contradictions, Combination combin
   return combination == Combination::kMaximum ? greatest : 1 - none;
 }
 
-/// Whether this neighbouring hit lies in the plane of the leaf.
-bool is_coplanar(const Gaussian& leaf, const Plane& plane, const Gaussian& hit) {
-  constexpr double kMaxOffset = 0.06;  // [m]
-  constexpr double kMinCosine = 0.95;
-  if (!plane.flat || std::abs(plane.normal.dot(hit.mean - leaf.mean)) > kMaxOffset) return false;
-  const Plane hit_plane = plane_of(hit);
-  return hit_plane.flat && std::abs(plane.normal.dot(hit_plane.normal)) > kMinCosine;
-}
-
-/// Whether this neighbouring hit may be the leaf's own surface, seen `displacement` [m] from where it is. A
-/// flat one that seems displaced along its plane may still be whole; across it, little is allowed for, lest
-/// what has come close beside it hides that it is gone.
-bool fits(const Gaussian& leaf, const Plane& plane, const Gaussian& hit, double displacement) {
+/// Whether this neighbouring hit may be the leaf's own surface, seen up to `tolerance` [m] from where it is.
+/// Within its plane a flat leaf has all of the tolerance. Across it, a third: what came close in front of a
+/// surface must not hide that the surface is gone.
+bool fits(const Gaussian& leaf, const Plane& plane, const Gaussian& hit, double tolerance) {
   constexpr double kAcross = 1.0 / 3;
   const Eigen::Vector3d across = plane.flat ? plane.normal : Eigen::Vector3d::Zero();
   Gaussian blurred = hit;
-  blurred.covariance += displacement * displacement *
+  blurred.covariance += tolerance * tolerance *
                         (Eigen::Matrix3d::Identity() - (1 - kAcross * kAcross) * across * across.transpose());
   return mahalanobis_squared(leaf.mean, blurred) < kChiSquared99;
 }
 
 /// Whether the scan sees the leaf's surface in a neighbouring voxel.
-bool is_spared(const Octree& octree, VoxelKey key, const BundleGrid& bundles, SurfaceGuard guard,
-               double displacement) {
-  if (guard == SurfaceGuard::kNone) return false;
+bool is_reobserved(const Octree& octree, VoxelKey key, const BundleGrid& bundles, double tolerance) {
   const Gaussian leaf = octree.gaussian(key, *octree.find(key));
   const Plane plane = plane_of(leaf);
   return any_in_neighbourhood(key, [&](VoxelKey near) {
     const RayBundle* hit = bundles.find(near);
-    if (hit == nullptr) return false;
-    return guard == SurfaceGuard::kCoplanarHit ? is_coplanar(leaf, plane, hit->points)
-                                               : fits(leaf, plane, hit->points, displacement);
+    return hit != nullptr && fits(leaf, plane, hit->points, tolerance);
   });
 }
 
@@ -126,7 +113,7 @@ double alignment_error(const Octree& octree, const BundleGrid& bundles) {
   return kMedianToSigma * *middle;
 }
 
-double contradicting_share(const Evidence& evidence, const BundleGrid& bundles) {
+double contradicting_fraction(const Evidence& evidence, const BundleGrid& bundles) {
   std::vector<bool> contradicts(bundles.bundles().size(), false);
   for (const LeafEvidence& against : evidence.leaves) {
     if (against.impact == 0) continue;
@@ -139,8 +126,7 @@ double contradicting_share(const Evidence& evidence, const BundleGrid& bundles) 
 }
 
 Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters) {
-  const bool is_asked = parameters.end_guard > 0 || parameters.surface_crossing ||
-                        parameters.surface_guard == SurfaceGuard::kReobserved;
+  const bool is_asked = parameters.hit_margin > 0 || parameters.surface_crossing || parameters.spare_reobserved;
   const double error = is_asked ? alignment_error(octree, bundles) : 0;
   Evidence evidence{find_contradictions(octree, bundles, error, parameters), {}};
   const auto& all = evidence.contradictions;
@@ -153,8 +139,8 @@ Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdatePara
   for_each_index(evidence.leaves.size(), kGrain, [&](std::size_t i) {
     LeafEvidence& leaf = evidence.leaves[i];
     if (bundles.find(leaf.leaf) != nullptr) return;  // occupied wins
-    if (is_spared(octree, leaf.leaf, bundles, parameters.surface_guard, parameters.displacement * error))
-      return;
+    const double tolerance = parameters.surface_tolerance * error;
+    if (parameters.spare_reobserved && is_reobserved(octree, leaf.leaf, bundles, tolerance)) return;
     leaf.impact = combine(std::span(all).subspan(leaf.begin, leaf.end - leaf.begin), parameters.combination);
   });
   return evidence;

@@ -33,8 +33,8 @@ struct Evidence {
   std::vector<LeafEvidence> leaves;
 };
 
-/// Share of a scan's bundles that contradict leaves, those that were spared not counted.
-double contradicting_share(const Evidence& evidence, const BundleGrid& bundles);
+/// Fraction of a scan's bundles that contradict leaves; spared leaves do not count.
+double contradicting_fraction(const Evidence& evidence, const BundleGrid& bundles);
 
 /// How far the scan is off the map [m]: robust standard deviation of the distances from the scan's bundles to
 /// the planes of flat leaves that they hit. It is measured, not assumed, so that one rule serves exact poses

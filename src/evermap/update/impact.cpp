@@ -4,45 +4,11 @@
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 
 #include <evermap/update/impact.hpp>
+#include <evermap/update/paper_impact.hpp>
 
 namespace evermap {
-
-double closest_resemblance(const Ray& ray, const Eigen::Matrix3d& bundle_covariance, const Gaussian& leaf) {
-  const Eigen::Matrix3d leaf_information = leaf.covariance.inverse();
-  const Eigen::Vector3d d = ray.end - ray.origin;
-  const double a = 2 * d.dot(leaf_information * d);
-  const double b =
-      (leaf_information * bundle_covariance).trace() - 2 * d.dot(leaf_information * (leaf.mean - ray.origin));
-  const double c = -3;
-  const double root = std::sqrt(b * b - 4 * a * c);
-  // Both forms are the positive root; each is free of cancellation for its sign of b.
-  const double t = b > 0 ? -2 * c / (b + root) : (root - b) / (2 * a);
-  return std::min(t, 1.0);
-}
-
-Gaussian bundle_at(double t, const Ray& ray, const Eigen::Matrix3d& bundle_covariance) {
-  return {ray.origin + t * (ray.end - ray.origin), t * bundle_covariance, 0};
-}
-
-Eigen::Vector3d densest_overlap(const Gaussian& leaf, const Gaussian& bundle_t) {
-  const Eigen::Matrix3d both = leaf.covariance + bundle_t.covariance;
-  return leaf.mean + leaf.covariance * (both.inverse() * (bundle_t.mean - leaf.mean));
-}
-
-double equation5(const Gaussian& leaf, const Gaussian& bundle_t, ImpactRule third_case) {
-  const Eigen::Vector3d x_max = densest_overlap(leaf, bundle_t);
-  if (mahalanobis_squared(x_max, leaf) > kChiSquared95) return 0;
-  if (mahalanobis_squared(leaf.mean, bundle_t) <= kChiSquared95) return 1;
-  const double distance = (leaf.mean - x_max).norm();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(leaf.covariance, Eigen::EigenvaluesOnly);
-  const double sigma_max = std::sqrt(eigen.eigenvalues()[2]);
-  // Corrected: the printed case grows with distance, against its text and both neighbouring cases.
-  if (third_case == ImpactRule::kEquation5Printed) return std::min(1.0, distance / (2 * sigma_max));
-  return std::clamp(1 - distance / (std::sqrt(kChiSquared95) * sigma_max), 0.0, 1.0);
-}
 
 Approach closest_approach(const Ray& ray, const Gaussian& leaf) {
   // The line o + t d passes a Gaussian at the squared Mahalanobis distance w' S w / (d' adj(S) d), where
@@ -53,10 +19,10 @@ Approach closest_approach(const Ray& ray, const Gaussian& leaf) {
   const Eigen::Vector3d adjugate_d =
       d.x() * S.col(1).cross(S.col(2)) + d.y() * S.col(2).cross(S.col(0)) + d.z() * S.col(0).cross(S.col(1));
   const double scale = d.dot(adjugate_d);
-  const double share = to_leaf.dot(adjugate_d) / scale;
-  if (share < 0) return {0, mahalanobis_squared(ray.origin, leaf)};
+  const double fraction = to_leaf.dot(adjugate_d) / scale;
+  if (fraction < 0) return {0, mahalanobis_squared(ray.origin, leaf)};
   const Eigen::Vector3d w = d.cross(to_leaf);
-  return {share, w.dot(S * w) / scale};
+  return {fraction, w.dot(S * w) / scale};
 }
 
 Plane plane_of(const Gaussian& leaf) {
@@ -72,8 +38,8 @@ namespace {
 
 /// Whether a surface that is off by `error` [m] may stand here although it is what the ray hit: the more a
 /// ray grazes a surface, the farther before its end.
-bool is_near_end(double share, const Ray& ray, double error, const UpdateParameters& parameters) {
-  return (1 - share) * ray.length() < parameters.end_guard * error;
+bool is_near_end(double fraction, const Ray& ray, double error, const UpdateParameters& parameters) {
+  return (1 - fraction) * ray.length() < parameters.hit_margin * error;
 }
 
 /// Whether a ray that is off by `error` [m] still ends beyond the plane.
@@ -81,35 +47,33 @@ bool crosses(const Plane& plane, const Eigen::Vector3d& on_plane, const Ray& ray
              const UpdateParameters& parameters) {
   const double origin_side = plane.normal.dot(ray.origin - on_plane);
   const double end_side = plane.normal.dot(ray.end - on_plane);
-  return origin_side * end_side < 0 && std::abs(end_side) > 3 * plane.sigma + parameters.displacement * error;
+  return origin_side * end_side < 0 && std::abs(end_side) > 3 * plane.sigma + parameters.surface_tolerance * error;
 }
 
-double default_impact(const Gaussian& leaf, const Ray& ray, double free_share, double error,
+double default_impact(const Gaussian& leaf, const Ray& ray, double free_fraction, double error,
                       const UpdateParameters& parameters) {
   const Approach approach = closest_approach(ray, leaf);
   const double exponent = 0.5 * approach.mahalanobis_squared;
   // exp(-x) <= 1 / (1 + x) turns most rays away before anything dear is computed.
   if (parameters.least_impact * (1 + exponent) > 1) return 0;
   const double likelihood = std::exp(-exponent);
-  if (likelihood < parameters.least_impact || approach.share > free_share) return 0;
+  if (likelihood < parameters.least_impact || approach.fraction > free_fraction) return 0;
   const Plane plane = plane_of(leaf);
   const bool is_plane_decisive = parameters.surface_crossing && plane.flat;
   const bool contradicts = is_plane_decisive ? crosses(plane, leaf.mean, ray, error, parameters)
-                                             : !is_near_end(approach.share, ray, error, parameters);
-  if (!contradicts) return 0;
-  if (!parameters.incidence_weight || !plane.flat) return likelihood;
-  return likelihood * std::abs(plane.normal.dot((ray.end - ray.origin).normalized()));
+                                             : !is_near_end(approach.fraction, ray, error, parameters);
+  return contradicts ? likelihood : 0;
 }
 
 }  // namespace
 
 double impact(const Gaussian& leaf, const Ray& ray, const Eigen::Matrix3d& bundle_covariance,
-              double free_share, double error, const UpdateParameters& parameters) {
+              double free_fraction, double error, const UpdateParameters& parameters) {
   if (parameters.impact == ImpactRule::kClosestApproach) {
-    return default_impact(leaf, ray, free_share, error, parameters);
+    return default_impact(leaf, ray, free_fraction, error, parameters);
   }
   const double t = closest_resemblance(ray, bundle_covariance, leaf);
-  if (t > free_share || is_near_end(t, ray, error, parameters)) return 0;
+  if (t > free_fraction || is_near_end(t, ray, error, parameters)) return 0;
   return equation5(leaf, bundle_at(t, ray, bundle_covariance), parameters.impact);
 }
 

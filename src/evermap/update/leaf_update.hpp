@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
-
 #include <evermap/geometry/gaussian.hpp>
-#include <evermap/geometry/ray.hpp>
 #include <evermap/map/leaf.hpp>
 #include <evermap/update/parameters.hpp>
 
@@ -20,13 +17,5 @@ void confirm(Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& center_m
 /// much less trust in the leaf's geometry. Returns false when the leaf is to be deleted: occupied before and
 /// no longer, or pending and below a first hit.
 [[nodiscard]] bool contradict(Leaf& leaf, double impact, const UpdateParameters& parameters);
-
-/// Equation (6): N_V \ N_R, the sigma points of the leaf outside the bundle's 95 % ellipsoid, refitted. None
-/// when all of them lie inside.
-std::optional<Gaussian> sigma_point_difference(const Gaussian& leaf, const Gaussian& bundle_t);
-
-/// The leaf's density times 1 - rho exp(-d^2 / 2), with d the Mahalanobis distance to the bundle's cylinder
-/// around the ray; mean, covariance and count of what remains, in closed form. REQUIRES: 0 <= rho <= 1.
-Gaussian soft_difference(const Gaussian& leaf, const Ray& ray, const Gaussian& bundle, double rho);
 
 }  // namespace evermap

@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <limits>
 #include <span>
 #include <vector>
 
 #include <evermap/geometry/for_each_index.hpp>
-#include <evermap/update/impact.hpp>
 #include <evermap/update/leaf_update.hpp>
 #include <evermap/update/map_updater.hpp>
+#include <evermap/update/paper_impact.hpp>
 
 namespace evermap {
 namespace {
@@ -16,103 +17,102 @@ constexpr std::size_t kGrain = 256;  ///< leaves per task
 
 /// Takes from the leaf's geometry what the contradicting rays saw to be free; occupancy decides on its life.
 void trim(Leaf& leaf, const Eigen::Vector3d& center_map, double thickness,
-          std::span<const Contradiction> contradictions, const BundleGrid& bundles, Difference difference) {
+          std::span<const Contradiction> contradictions, const BundleGrid& bundles) {
   Gaussian surface = leaf.gaussian(center_map);
   for (const Contradiction& c : contradictions) {
     const Gaussian& bundle = bundles.bundles()[c.bundle].points;
     const Ray ray{bundles.origin_map, bundle.mean};
-    if (difference == Difference::kSoft) {
-      surface = soft_difference(surface, ray, bundle, static_cast<double>(c.impact));
-    } else {
-      const double t = closest_resemblance(ray, bundle.covariance, surface);
-      surface = sigma_point_difference(surface, bundle_at(t, ray, bundle.covariance)).value_or(surface);
-    }
+    const double t = closest_resemblance(ray, bundle.covariance, surface);
+    surface = sigma_point_difference(surface, bundle_at(t, ray, bundle.covariance)).value_or(surface);
     surface.covariance = floor_eigenvalues(surface.covariance, thickness * thickness / 4);
   }
   leaf.set_gaussian(surface, center_map);
 }
 
 /// Subtractive: every contradicted leaf has one owner; what is to go is erased afterwards, since that moves
-/// leaves.
-void contradict_leaves(Octree& octree, const BundleGrid& bundles, const Evidence& evidence,
+/// leaves. Returns how many occupied leaves went.
+std::size_t contradict_leaves(Octree& octree, const BundleGrid& bundles, const Evidence& evidence,
                        const UpdateParameters& parameters) {
-  const double thickness = least_thickness(parameters.lidar, octree.grid());
-  std::vector<char> erased(evidence.leaves.size(), 0);
+  enum class Fate : char { kStays, kPendingGoes, kOccupiedGoes };
+  const double thickness = least_thickness(bundles.range_sigma, octree.grid());
+  std::vector<Fate> fates(evidence.leaves.size(), Fate::kStays);
+  octree.own(evidence.leaves, [](const LeafEvidence& against) { return against.leaf; });
   for_each_index(evidence.leaves.size(), kGrain, [&](std::size_t i) {
     const LeafEvidence& against = evidence.leaves[i];
     Leaf& leaf = *octree.find(against.leaf);
-    if (parameters.difference != Difference::kNone) {
+    if (parameters.trim_leaves) {
       const auto contradictions =
           std::span(evidence.contradictions).subspan(against.begin, against.end - against.begin);
-      trim(leaf, octree.grid().center(against.leaf), thickness, contradictions, bundles,
-           parameters.difference);
+      trim(leaf, octree.grid().center(against.leaf), thickness, contradictions, bundles);
     }
-    erased[i] = against.impact > 0 && !contradict(leaf, against.impact, parameters);
+    const bool was_occupied = leaf.occupied();
+    if (against.impact == 0 || contradict(leaf, against.impact, parameters)) return;
+    fates[i] = was_occupied ? Fate::kOccupiedGoes : Fate::kPendingGoes;
   });
-  for (std::size_t i = 0; i < erased.size(); ++i) {
-    if (erased[i]) octree.erase(evidence.leaves[i].leaf);
+  for (std::size_t i = 0; i < fates.size(); ++i) {
+    if (fates[i] != Fate::kStays) octree.erase(evidence.leaves[i].leaf);
   }
+  return static_cast<std::size_t>(std::count(fates.begin(), fates.end(), Fate::kOccupiedGoes));
 }
 
 /// Additive: leaves that exist are confirmed in parallel; new ones are made one by one, since that moves
-/// leaves.
-void confirm_leaves(Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters,
-                    double novelty) {
+/// leaves. Returns how many became occupied.
+std::size_t confirm_leaves(Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters,
+                    double view_weight) {
   const auto& all = bundles.bundles();
-  std::vector<char> is_new(all.size(), 0);
+  enum class Hit : char { kNew, kConfirms, kMakesOccupied };
+  std::vector<Hit> hits(all.size(), Hit::kNew);
+  octree.own(all, [](const RayBundle& bundle) { return bundle.key; });
   for_each_chunk(all.size(), kGrain, [&](std::size_t, std::size_t begin, std::size_t end) {
     LeafFinder leaves(octree);
     for (std::size_t i = begin; i < end; ++i) {
       Leaf* leaf = leaves.find(all[i].key);
-      is_new[i] = leaf == nullptr;
       if (leaf == nullptr) continue;
+      const bool was_occupied = leaf->occupied();
       Gaussian seen = all[i].points;
-      seen.count *= novelty;
+      seen.count *= view_weight;
       confirm(*leaf, seen, octree.grid().center(all[i].key), parameters);
+      hits[i] = !was_occupied && leaf->occupied() ? Hit::kMakesOccupied : Hit::kConfirms;
     }
   });
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!is_new[i]) continue;
-    confirm(octree.find_or_insert(all[i].key), all[i].points, octree.grid().center(all[i].key), parameters);
+    if (hits[i] != Hit::kNew) continue;
+    Leaf& leaf = octree.find_or_insert(all[i].key);
+    confirm(leaf, all[i].points, octree.grid().center(all[i].key), parameters);
+    if (leaf.occupied()) hits[i] = Hit::kMakesOccupied;
   }
+  return static_cast<std::size_t>(std::count(hits.begin(), hits.end(), Hit::kMakesOccupied));
 }
 
 }  // namespace
 
-ScanSummary summarize(const Scan& scan, const BundleGrid& bundles) {
-  return {scan.p_sensor.size(), bundles.bundles().size(), bundles.dropped_near, bundles.dropped_far,
-          bundles.dropped_out_of_grid};
-}
-
-ScanSummary add_scan(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
-                     const UpdateParameters& parameters) {
+LeafChanges add(Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters) {
   UpdateParameters trusting = parameters;
   trusting.confirmations = 1;
-  const BundleGrid bundles = condense(scan, T_map_sensor, octree.grid(), parameters.lidar);
-  confirm_leaves(octree, bundles, trusting, 1);
-  return summarize(scan, bundles);
+  return {confirm_leaves(octree, bundles, trusting, 1), 0};
 }
 
-ScanSummary add_cloud(Octree& octree, const Scan& cloud, const Pose& T_map_cloud,
-                      const UpdateParameters& parameters) {
-  UpdateParameters trusting = parameters;
-  trusting.lidar.min_range = 0;
-  trusting.lidar.max_range = std::numeric_limits<double>::infinity();
-  trusting.hit = parameters.max_log_odds;
-  return add_scan(octree, cloud, T_map_cloud, trusting);
+BundleGrid add_cloud(Octree& octree, const Scan& cloud, const Pose& T_map_cloud, const LidarParameters& lidar,
+                     const UpdateParameters& parameters) {
+  LidarParameters every_return = lidar;
+  every_return.min_range = 0;
+  every_return.max_range = std::numeric_limits<double>::infinity();
+  UpdateParameters sure = parameters;
+  sure.hit = parameters.max_log_odds;
+  BundleGrid bundles = condense(cloud, T_map_cloud, octree.grid(), every_return);
+  add(octree, bundles, sure);
+  return bundles;
 }
 
-ScanSummary update(Octree& octree, const Scan& scan, const Pose& T_map_sensor,
-                   const UpdateParameters& parameters, double novelty) {
-  const BundleGrid bundles = condense(scan, T_map_sensor, octree.grid(), parameters.lidar);
-  apply(octree, bundles, trace(octree, bundles, parameters), parameters, novelty);
-  return summarize(scan, bundles);
+LeafChanges update(Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters,
+                   double view_weight) {
+  return apply(octree, bundles, trace(octree, bundles, parameters), parameters, view_weight);
 }
 
-void apply(Octree& octree, const BundleGrid& bundles, const Evidence& evidence,
-           const UpdateParameters& parameters, double novelty) {
-  contradict_leaves(octree, bundles, evidence, parameters);
-  confirm_leaves(octree, bundles, parameters, novelty);
+LeafChanges apply(Octree& octree, const BundleGrid& bundles, const Evidence& evidence,
+                  const UpdateParameters& parameters, double view_weight) {
+  const std::size_t erased = contradict_leaves(octree, bundles, evidence, parameters);
+  return {confirm_leaves(octree, bundles, parameters, view_weight), erased};
 }
 
 }  // namespace evermap

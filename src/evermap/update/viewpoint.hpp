@@ -17,7 +17,7 @@ class Viewpoint {
 
   /// Takes the next scan's pose; returns the weight of its geometry: 1 from a new place, 1/k for the k-th
   /// look.
-  double novelty(const Pose& T_map_sensor) {
+  double view_weight(const Pose& T_map_sensor) {
     const Pose apart = T_place_.inverse() * T_map_sensor;
     constexpr double kCosineOfOneDegree = 0.99984769515639127;
     const double cosine = 0.5 * (apart.rotation.trace() - 1);

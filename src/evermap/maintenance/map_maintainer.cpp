@@ -1,0 +1,259 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
+#include <mutex>
+#include <utility>
+
+#include <evermap/geometry/running_median.hpp>
+#include <evermap/maintenance/map_maintainer.hpp>
+#include <evermap/scan/deskew.hpp>
+#include <evermap/update/rollback.hpp>
+#include <evermap/update/viewpoint.hpp>
+
+namespace evermap {
+namespace {
+
+/// Calls work() and adds the time it took [s].
+template <class Work>
+auto timed(double& seconds, Work&& work) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begin = Clock::now();
+  auto result = work();
+  seconds += std::chrono::duration<double>(Clock::now() - begin).count();
+  return result;
+}
+
+}  // namespace
+
+class MapMaintainer::Loop {
+ public:
+  Loop(Octree map, const Parameters& parameters, MapMode mode, const Pose& T_map_sensor_initial)
+      : map_(std::move(map)),
+        parameters_(parameters),
+        mode_(mode),
+        localizer_(T_map_sensor_initial, parameters.lidar, parameters.localization),
+        viewpoint_(parameters.update.standstill),
+        rollback_(static_cast<std::size_t>(parameters.rollback.scans)),
+        usual_contradicting_(static_cast<std::size_t>(parameters.rollback.memory)) {}
+
+  ScanResult process(const Scan& raw, double time, const std::optional<Pose>& T_odom_sensor) {
+    ScanResult result;
+    result.points.total = raw.p_sensor.size() + raw.dropped_not_finite + raw.dropped_at_origin;
+    if (map_.empty() && mode_ != MapMode::kLocalization) {  // the first scan lies where it is put
+      start_ = Start{raw, localizer_.predict(time, T_odom_sensor), time, T_odom_sensor};
+      write(raw, start_->T_map_sensor, result, &Loop::add_to_map);
+      localizer_.begin(start_->T_map_sensor, time, T_odom_sensor);
+      result.state = TrackingState::kStarting;
+      return result;
+    }
+    Localization found = locate(raw, time, T_odom_sensor, Effort::kUsual, result);
+    if (start_ && found.passes()) found = start_again(raw, found, result);
+    if (found.is_writable() && mode_ != MapMode::kLocalization) write_found(raw, found, result);
+    const TrackingState before = localizer_.state();
+    localizer_.conclude(found);
+    if (found.state == TrackingState::kLost && before != TrackingState::kLost) result.rolled_back = roll_back();
+    result.T_map_sensor = found.T_map_sensor;
+    result.state = found.state;
+    result.reject_reason = found.reject_reason;
+    result.registration = found.registration;
+    return result;
+  }
+
+  ScanResult process(const Scan& scan, const Pose& T_map_sensor) {
+    ScanResult result;
+    switch (mode_) {
+      case MapMode::kLocalization:
+        result.T_map_sensor = T_map_sensor;
+        break;
+      case MapMode::kMapping:
+        write(scan, T_map_sensor, result, &Loop::add_to_map);
+        break;
+      case MapMode::kMaintenance:
+        write(scan, T_map_sensor, result, &Loop::update_trusting);
+        break;
+    }
+    return result;
+  }
+
+  Octree snapshot() const {
+    const std::lock_guard lock(changing_);
+    return map_;
+  }
+
+  TrackingState state() const { return localizer_.state(); }
+
+ private:
+  /// The scan that a map began with.
+  struct Start {
+    Scan raw;
+    Pose T_map_sensor;
+    double time;  ///< [s]
+    std::optional<Pose> T_odom_sensor;
+  };
+
+  Scan undistorted(const Scan& raw, const Pose& T_begin_end) const {
+    return deskew(raw, T_begin_end, parameters_.lidar.scan_period);
+  }
+
+  /// Where the scan is. Where several places come into question, the rays decide, too: a scan that is taken for
+  /// lying behind a wall shoots through it.
+  Localization locate(const Scan& raw, double time, const std::optional<Pose>& T_odom_sensor, Effort effort,
+                      ScanResult& result) {
+    Localization found = timed(result.times.locate, [&] {
+      return localizer_.propose(map_, raw, time, T_odom_sensor, effort);
+    });
+    if (!found.is_contested) return found;
+    const Scan scan = undistorted(raw, found.T_begin_end);
+    for (Hypothesis& place : found.hypotheses) {
+      const BundleGrid bundles =
+          condense(scan, place.registration.T_map_sensor, map_.grid(), parameters_.lidar);
+      place.contradicting = contradicting_fraction(trace_rays(bundles, result), bundles);
+    }
+    localizer_.choose(found);
+    result.contradicting_fraction = found.hypotheses.empty() ? 0 : found.hypotheses[best_of(found.hypotheses)].contradicting;
+    return found;
+  }
+
+  /// The second scan tells how the sensor moved in the first, which made the map: both are taken anew.
+  Localization start_again(const Scan& raw, Localization found, ScanResult& result) {
+    constexpr int kTries = 2;
+    const Start start = std::move(*start_);
+    start_.reset();
+    for (int i = 0; i < kTries && found.passes(); ++i) {
+      const Twist velocity =
+          log(start.T_map_sensor.inverse() * found.T_map_sensor) / (found.time - start.time);
+      const Scan first = undistorted(start.raw, exp(velocity * parameters_.lidar.scan_period));
+      Octree map(map_.grid());
+      add(map, condense(first, start.T_map_sensor, map.grid(), parameters_.lidar), parameters_.update);
+      {
+        const std::lock_guard lock(changing_);
+        map_ = std::move(map);
+      }
+      localizer_ = Localizer(start.T_map_sensor, parameters_.lidar, parameters_.localization);
+      localizer_.begin(start.T_map_sensor, start.time, start.T_odom_sensor, velocity);
+      found = locate(raw, found.time, found.T_odom_sensor, Effort::kUsual, result);
+    }
+    return found;
+  }
+
+  /// Writes a scan whose pose was found. When it contradicts more of the map than usual, other places are
+  /// looked at first: if none is better, the map is that much out of date.
+  void write_found(const Scan& raw, Localization& found, ScanResult& result) {
+    const auto try_to = [&](void (Loop::*change)(const BundleGrid&, ScanResult&)) {
+      result.reject_reason = RejectReason::kNone;
+      write(undistorted(raw, found.T_begin_end), found.T_map_sensor, result, change);
+      found.reject_reason = result.reject_reason;
+    };
+    if (mode_ == MapMode::kMapping) return try_to(&Loop::add_to_map);
+    if (!found.is_contested) {
+      try_to(&Loop::update_if_plausible);
+      if (found.reject_reason != RejectReason::kContradictsMap) return;
+      found = locate(raw, found.time, found.T_odom_sensor, Effort::kThorough, result);
+      if (!found.is_writable()) return;
+    }
+    try_to(&Loop::update_undoable);
+  }
+
+  /// Gives the map the scan's bundles, unless it has none or `change` rejects them.
+  void write(const Scan& scan, const Pose& T_map_sensor, ScanResult& result,
+             void (Loop::*change)(const BundleGrid&, ScanResult&)) {
+    result.T_map_sensor = T_map_sensor;
+    const BundleGrid bundles = timed(result.times.condense, [&] {
+      return condense(scan, T_map_sensor, map_.grid(), parameters_.lidar);
+    });
+    result.points = PointCounts(scan, bundles);
+    if (bundles.bundles().empty()) result.reject_reason = RejectReason::kNoUsablePoint;
+    if (result.reject_reason == RejectReason::kNone) (this->*change)(bundles, result);
+    result.is_written = result.reject_reason == RejectReason::kNone;
+  }
+
+  void add_to_map(const BundleGrid& bundles, ScanResult& result) {
+    apply_changes(result, [&] { return add(map_, bundles, parameters_.update); });
+  }
+
+  void update_trusting(const BundleGrid& bundles, ScanResult& result) {
+    const Evidence evidence = trace_rays(bundles, result);
+    apply_changes(result, [&] { return apply_evidence(bundles, evidence, result); });
+  }
+
+  /// Updates the map with a scan whose pose was found, in a way that can be undone.
+  void update_undoable(const BundleGrid& bundles, ScanResult& result) {
+    apply_undoable(bundles, trace_rays(bundles, result), result);
+  }
+
+  /// The same, but not when it contradicts too much of the map.
+  void update_if_plausible(const BundleGrid& bundles, ScanResult& result) {
+    const Evidence evidence = trace_rays(bundles, result);
+    result.contradicting_fraction = contradicting_fraction(evidence, bundles);
+    const RollbackParameters& p = parameters_.rollback;
+    const double most = usual_contradicting_.is_known() ? p.max_contradicting + usual_contradicting_.value()
+                                                        : p.max_contradicting_at_first;
+    if (result.contradicting_fraction > most) {
+      result.reject_reason = RejectReason::kContradictsMap;
+      return;
+    }
+    apply_undoable(bundles, evidence, result);
+  }
+
+  void apply_undoable(const BundleGrid& bundles, const Evidence& evidence, ScanResult& result) {
+    result.contradicting_fraction = contradicting_fraction(evidence, bundles);
+    usual_contradicting_.push(result.contradicting_fraction);
+    apply_changes(result, [&] {
+      rollback_.begin_scan();
+      LeafFinder leaves(std::as_const(map_));
+      for (const LeafEvidence& against : evidence.leaves) rollback_.remember(leaves, against.leaf);
+      for (const RayBundle& bundle : bundles.bundles()) rollback_.remember(leaves, bundle.key);
+      return apply_evidence(bundles, evidence, result);
+    });
+  }
+
+  Evidence trace_rays(const BundleGrid& bundles, ScanResult& result) const {
+    return timed(result.times.trace, [&] { return trace(map_, bundles, parameters_.update); });
+  }
+
+  LeafChanges apply_evidence(const BundleGrid& bundles, const Evidence& evidence, const ScanResult& result) {
+    return apply(map_, bundles, evidence, parameters_.update, viewpoint_.view_weight(result.T_map_sensor));
+  }
+
+  /// Nobody reads the map while it changes.
+  template <class Change>
+  void apply_changes(ScanResult& result, Change&& change) {
+    const std::lock_guard lock(changing_);
+    result.changes = timed(result.times.apply, change);
+  }
+
+  std::size_t roll_back() {
+    const std::lock_guard lock(changing_);
+    const std::size_t scans = rollback_.scans();
+    rollback_.roll_back(map_);
+    return scans;
+  }
+
+  mutable std::mutex changing_;  ///< held while map_ changes or is copied by a reader
+  Octree map_;
+  Parameters parameters_;
+  MapMode mode_;
+  Localizer localizer_;
+  std::optional<Start> start_;  ///< until a second scan told the motion
+  Viewpoint viewpoint_;
+  Rollback rollback_;
+  RunningMedian usual_contradicting_;
+};
+
+MapMaintainer::MapMaintainer(Octree map, const Parameters& parameters, MapMode mode,
+                             const Pose& T_map_sensor_initial)
+    : loop_(std::make_unique<Loop>(std::move(map), parameters, mode, T_map_sensor_initial)) {}
+MapMaintainer::~MapMaintainer() = default;
+MapMaintainer::MapMaintainer(MapMaintainer&&) noexcept = default;
+MapMaintainer& MapMaintainer::operator=(MapMaintainer&&) noexcept = default;
+
+ScanResult MapMaintainer::process(const Scan& scan, double time, const std::optional<Pose>& T_odom_sensor) {
+  return loop_->process(scan, time, T_odom_sensor);
+}
+ScanResult MapMaintainer::process(const Scan& scan, const Pose& T_map_sensor) {
+  return loop_->process(scan, T_map_sensor);
+}
+Octree MapMaintainer::map() const { return loop_->snapshot(); }
+TrackingState MapMaintainer::state() const { return loop_->state(); }
+
+}  // namespace evermap
