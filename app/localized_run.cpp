@@ -43,7 +43,7 @@ void record(LocalizedRun& run, double time, const ScanResult& result) {
   spdlog::debug("scan {}: {} {}, {:.0f} % inliers, residual {:.2f}, observability {:.2f}, {} iterations",
                 run.trajectory.size(), to_string(result.state), to_string(result.reject_reason),
                 100 * result.registration.inlier_fraction, result.registration.residual,
-                result.registration.weakest.fraction, result.registration.iterations);
+                result.registration.observability.worst, result.registration.iterations);
   run.trajectory.push_back({time, result.T_map_sensor});
   ++run.states[static_cast<std::size_t>(result.state)];
   if (result.reject_reason != RejectReason::kNone) ++run.rejections[result.reject_reason];

@@ -241,7 +241,7 @@ TEST_F(ScenarioTest, RefusesWhatWouldTakeTheMemory) {
   expect_object_refused("- {name: a, pile: {height: [[0, 1], [9, 20]], repose: 5}, at: [5, 5]}",
                         "wider than 200 m");
   std::string places;
-  for (int i = 0; i < 1001; ++i) places += "[" + std::to_string(i) + ", 0], ";
+  for (int i = 0; i < 1001; ++i) places.append("[").append(std::to_string(i)).append(", 0], ");
   expect_object_refused("- {name: a, box: [1, 1, 1], places: [" + places + "]}", "more than 1000 objects");
   std::string strip =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty int x\nproperty int y\nproperty int z\n"

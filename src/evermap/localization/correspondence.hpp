@@ -15,6 +15,7 @@ namespace evermap {
 struct Correspondence {
   Eigen::Vector3d mean_leaf;    ///< mu_V [m], map frame
   Eigen::Matrix3d information;  ///< M = (S_V + S_R)^-1 [1/m^2]
+  Eigen::Matrix3d covariance_leaf;  ///< S_V [m^2]
   double mahalanobis_squared;   ///< e' M e, e = mu_V - mu_R
   double occupancy;             ///< probability that the leaf is there
 };
