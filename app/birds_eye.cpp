@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "picture.hpp"
-#include <evermap/io/atomic_file.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
 
 namespace evermap {
 namespace {

@@ -18,7 +18,7 @@
 #include <evermap/evaluation/map_claims.hpp>
 #include <evermap/evaluation/trajectory_metrics.hpp>
 #include <evermap/files/file_error.hpp>
-#include <evermap/io/labelled_boxes.hpp>
+#include <evermap/io/detail/labelled_boxes.hpp>
 #include <evermap/io/map_file.hpp>
 #include <evermap/io/poses.hpp>
 

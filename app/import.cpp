@@ -9,9 +9,10 @@
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
-#include <evermap/io/cloud.hpp>
 #include <evermap/files/file_error.hpp>
+#include <evermap/io/cloud.hpp>
 #include <evermap/io/map_file.hpp>
+#include <evermap/maintenance/survey.hpp>
 
 namespace evermap {
 namespace {
@@ -44,9 +45,10 @@ void run(const Options& options) {
   check_writable(options.map);
   const Scan cloud = read_cloud(options.cloud);
   const Pose T_map_cloud = cloud.T_map_sensor.value_or(Pose{});
-  if (cloud.p_sensor.empty()) check_any_used(PointCounts(cloud, {}), options.cloud);
-  Octree octree(VoxelGrid::around(median(cloud, T_map_cloud), options.leaf));
-  const PointCounts points(cloud, add_cloud(octree, cloud, T_map_cloud, parameters.lidar, parameters.update));
+  const Eigen::Vector3d center =
+      cloud.p_sensor.empty() ? Eigen::Vector3d::Zero() : median(cloud, T_map_cloud);
+  Octree octree(VoxelGrid::around(center, options.leaf));
+  const ScanResult::PointCounts points = add_survey(octree, cloud, T_map_cloud, parameters);
   check_any_used(points, options.cloud);
   save_map(options.map, octree);
   if (options.as_json) {

@@ -12,9 +12,9 @@
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
+#include <evermap/io/detail/map_undo.hpp>
+#include <evermap/io/detail/quaternion.hpp>
 #include <evermap/io/map_file.hpp>
-#include <evermap/io/map_undo.hpp>
-#include <evermap/io/quaternion.hpp>
 
 namespace evermap {
 namespace {
@@ -54,7 +54,8 @@ void run(const Options& options) {
   Parameters parameters = parameters_of(options.parameters);
   if (options.scans.rate) parameters.lidar.scan_period = 1 / *options.scans.rate;
   parameters.rollback.scans = options.rollback.value_or(parameters.rollback.scans);
-  parameters.rollback.max_contradicting = options.max_contradicting.value_or(parameters.rollback.max_contradicting);
+  parameters.rollback.max_contradicting =
+      options.max_contradicting.value_or(parameters.rollback.max_contradicting);
   check(options);
   Octree map = load_map(options.map);
   if (map.empty()) throw std::runtime_error(options.map.string() + " has no leaves to localize in");

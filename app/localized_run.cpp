@@ -22,8 +22,8 @@ class Schedule {
     poses_ = read_poses(options.odometry);
     if (poses_.size() == scans) return;
     throw FileError(options.odometry,
-                  fmt::format("has {} poses for the {} scans of {}; give one pose for each scan",
-                              poses_.size(), scans, options.scans.string()));
+                    fmt::format("has {} poses for the {} scans of {}; give one pose for each scan",
+                                poses_.size(), scans, options.scans.string()));
   }
   double time(std::size_t scan) const {
     const bool is_timed = !poses_.empty() && poses_[scan].time;
@@ -40,10 +40,9 @@ class Schedule {
 };
 
 void record(LocalizedRun& run, double time, const ScanResult& result) {
-  spdlog::debug("scan {}: {} {}, {:.0f} % inliers, residual {:.2f}, observability {:.2f}, {} iterations",
+  spdlog::debug("scan {}: {} {}, {:.0f} % inliers, residual {:.2f}, {:.0f} % of the rays contradict the map",
                 run.trajectory.size(), to_string(result.state), to_string(result.reject_reason),
-                100 * result.registration.inlier_fraction, result.registration.residual,
-                result.registration.observability.worst, result.registration.iterations);
+                100 * result.inlier_fraction, result.residual, 100 * result.contradicting_fraction);
   run.trajectory.push_back({time, result.T_map_sensor});
   ++run.states[static_cast<std::size_t>(result.state)];
   if (result.reject_reason != RejectReason::kNone) ++run.rejections[result.reject_reason];
@@ -70,8 +69,7 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
     const Scan scan = scans.next().value();
     const std::size_t index = result.trajectory.size();
     const double time = schedule.time(index);
-    record(result, time,
-           take([&] { return maintainer.process(scan, time, schedule.T_odom_sensor(index)); }));
+    record(result, time, take([&] { return maintainer.process(scan, time, schedule.T_odom_sensor(index)); }));
   });
   if (!options.odometry.empty() && result.count(TrackingState::kTracking) == 0) {
     throw FileError(

@@ -23,9 +23,9 @@ namespace evermap {
 struct LocalizedScans {
   std::filesystem::path scans;
   std::filesystem::path
-      odometry;      ///< one pose of the sensor for each scan, in any frame; empty when not given
+      odometry;                ///< one pose of the sensor for each scan, in any frame; empty when not given
   std::optional<double> rate;  ///< [Hz] scans per second, when not the parameters' scan_period
-  int threads = 0;   ///< 0: one per core
+  int threads = 0;             ///< 0: one per core
 };
 /// Adds --odometry and --rate.
 void add_odometry_options(CLI::App& verb, LocalizedScans& options);
@@ -41,9 +41,9 @@ struct LocalizedRun {
   std::size_t count(TrackingState state) const { return states[static_cast<std::size_t>(state)]; }
 };
 
-/// Gives the maintainer scan by scan until all are done or SIGINT or SIGTERM came. Throws FileError when scans
-/// or odometry cannot be read or do not belong together. `scan_period` [s] tells the scans' times where the
-/// odometry has none.
+/// Gives the maintainer scan by scan until all are done or SIGINT or SIGTERM came. Throws FileError when
+/// scans or odometry cannot be read or do not belong together. `scan_period` [s] tells the scans' times where
+/// the odometry has none.
 LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& maintainer, double scan_period);
 
 Json to_json(const LocalizedRun& run);

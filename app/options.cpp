@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <evermap/config/parameters_file.hpp>
-#include <evermap/io/atomic_file.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
 #include <evermap/io/map_file.hpp>
 
 namespace evermap {

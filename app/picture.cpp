@@ -7,8 +7,8 @@
 
 #include <png.h>
 
-#include <evermap/io/atomic_file.hpp>
 #include <evermap/files/file_error.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
 
 namespace evermap {
 Picture::Picture(int width, int height, Color ground)

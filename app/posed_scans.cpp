@@ -13,8 +13,8 @@ PosedScans::PosedScans(const std::filesystem::path& scans, const std::filesystem
     : scans_(scans), poses_(read_poses(poses)) {
   if (poses_.size() == scans_.size()) return;
   throw FileError(poses, "has " + std::to_string(poses_.size()) + " poses for the " +
-                           std::to_string(scans_.size()) + " scans of " + scans.string() +
-                           "; give one pose for each scan");
+                             std::to_string(scans_.size()) + " scans of " + scans.string() +
+                             "; give one pose for each scan");
 }
 
 std::optional<PosedScan> PosedScans::next() {

@@ -44,7 +44,7 @@ LeafCounts::LeafCounts(const Octree& octree) {
   octree.for_each_leaf([&](VoxelKey, const Leaf& leaf) { ++(leaf.occupied() ? occupied : pending); });
 }
 
-Json to_json(const PointCounts& points) {
+Json to_json(const ScanResult::PointCounts& points) {
   return {{"total", points.total},
           {"used", points.used},
           {"dropped",
@@ -80,7 +80,7 @@ Json to_json(const ChangeReport& report) {
   return json;
 }
 
-std::string to_text(const PointCounts& points) {
+std::string to_text(const ScanResult::PointCounts& points) {
   return fmt::format(
       "points   {} of {} used\n"
       "dropped  {} not finite, {} at the origin, {} nearer than min range, {} farther than max range, "
@@ -105,7 +105,8 @@ std::string to_text(const ChangeReport& report) {
   return fmt::format(
              "map      {}\n"
              "leaves   {} before, {} after: {} added, {} removed, {} moved; {} more pending\n"
-             "         {} more came and {} more went at the border of voxels, where the neighbouring leaf shows the "
+             "         {} more came and {} more went at the border of voxels, where the neighbouring leaf "
+             "shows the "
              "same surface\n",
              report.map.string(), report.before.occupied, report.after.occupied, difference.added.size(),
              difference.removed.size(), difference.moved.size(), report.after.pending,

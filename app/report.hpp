@@ -33,11 +33,11 @@ struct ChangeReport {
   MapDifference difference;
 };
 
-Json to_json(const PointCounts& points);
+Json to_json(const ScanResult::PointCounts& points);
 Json to_json(const Run& run);
 Json to_json(const ChangeReport& report);
 
-std::string to_text(const PointCounts& points);
+std::string to_text(const ScanResult::PointCounts& points);
 std::string to_text(const Run& run);
 std::string to_text(const ChangeReport& report);
 

@@ -28,7 +28,7 @@ double wall_seconds() {
 
 }  // namespace
 
-void check_any_used(const PointCounts& points, const std::filesystem::path& file) {
+void check_any_used(const ScanResult::PointCounts& points, const std::filesystem::path& file) {
   if (points.used > 0) return;
   throw FileError(
       file,

@@ -13,14 +13,14 @@
 namespace evermap {
 
 /// Throws FileError naming `file` when none of the points was used.
-void check_any_used(const PointCounts& points, const std::filesystem::path& file);
+void check_any_used(const ScanResult::PointCounts& points, const std::filesystem::path& file);
 
 /// What a verb did with a sequence of scans.
 struct Run {
   std::size_t scans_done = 0;
   std::size_t scans_total = 0;
   std::size_t scans_empty = 0;  ///< without any usable point; nothing came of them
-  PointCounts points;
+  ScanResult::PointCounts points;
   std::vector<double> wall;  ///< [s] per scan, without reading its file
   std::vector<double> cpu;   ///< [s] per scan, of all threads together
 

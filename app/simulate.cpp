@@ -18,9 +18,9 @@
 #include "verbs.hpp"
 #include <evermap/evaluation/observed_surface.hpp>
 #include <evermap/files/file_error.hpp>
-#include <evermap/io/atomic_file.hpp>
-#include <evermap/io/pcd.hpp>
-#include <evermap/io/ply.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
+#include <evermap/io/detail/pcd.hpp>
+#include <evermap/io/detail/ply.hpp>
 #include <evermap/io/poses.hpp>
 #include <evermap/simulation/scenario_drive.hpp>
 

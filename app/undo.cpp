@@ -6,7 +6,7 @@
 #include <fmt/core.h>
 
 #include "verbs.hpp"
-#include <evermap/io/map_undo.hpp>
+#include <evermap/io/detail/map_undo.hpp>
 
 namespace evermap {
 

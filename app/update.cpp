@@ -9,9 +9,9 @@
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
-#include <evermap/io/atomic_file.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
+#include <evermap/io/detail/map_undo.hpp>
 #include <evermap/io/map_file.hpp>
-#include <evermap/io/map_undo.hpp>
 
 namespace evermap {
 namespace {

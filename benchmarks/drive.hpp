@@ -9,7 +9,7 @@
 #include <evermap/scan/scan.hpp>
 #include <evermap/simulation/scenario_drive.hpp>
 #include <evermap/simulation/shipped.hpp>
-#include <evermap/update/map_updater.hpp>
+#include <evermap/update/detail/map_updater.hpp>
 
 namespace evermap {
 

@@ -20,8 +20,8 @@
 #include "cpu_time.hpp"
 #include "drive.hpp"
 #include "experiments/result_file.hpp"
-#include <evermap/update/evidence.hpp>
-#include <evermap/update/encounter.hpp>
+#include <evermap/update/detail/encounter.hpp>
+#include <evermap/update/detail/evidence.hpp>
 
 namespace evermap {
 namespace {
@@ -61,8 +61,12 @@ std::vector<Cost> take_turns(std::vector<Variant> variants, const std::vector<Po
       oneapi::tbb::task_arena arena(variant.threads);
       const double cpu_begin = cpu_seconds();
       const double wall_begin = wall_seconds();
-      const ScanSummary summary = arena.execute(
-          [&] { return update(variant.map, condense(variant.scans[scan], T_map_sensor[scan], variant.map.grid(), variant.parameters.lidar), variant.parameters.update); });
+      const ScanSummary summary = arena.execute([&] {
+        return update(
+            variant.map,
+            condense(variant.scans[scan], T_map_sensor[scan], variant.map.grid(), variant.parameters.lidar),
+            variant.parameters.update);
+      });
       wall[i].push_back(1e3 * (wall_seconds() - wall_begin));
       cpu[i].push_back(1e3 * (cpu_seconds() - cpu_begin));
       bundles[i].push_back(static_cast<double>(summary.bundles));
@@ -201,9 +205,9 @@ Stages stages_of(Octree& map, const Scan& scan, const Pose& T_map_sensor) {
   stages.condense = cpu_milliseconds([&] { bundles = condense(scan, T_map_sensor, map.grid(), {}); });
   stages.align = cpu_milliseconds([&] { alignment_error(map, bundles); });
   std::optional<RayFan> fan;
-  stages.sort =
-      cpu_milliseconds([&] { fan.emplace(map.grid(), bundles.origin_map, looked_at(bundles)); });
-  stages.meet = cpu_milliseconds([&] { find_encounters(bundles, *fan, map.bricks_in(fan->voxels()), parameters); });
+  stages.sort = cpu_milliseconds([&] { fan.emplace(map.grid(), bundles.origin_map, looked_at(bundles)); });
+  stages.meet =
+      cpu_milliseconds([&] { find_encounters(bundles, *fan, map.bricks_in(fan->voxels()), parameters); });
   Evidence evidence;
   const double trace_all = cpu_milliseconds([&] { evidence = trace(map, bundles, parameters); });
   stages.judge = std::max(0.0, trace_all - stages.align - stages.sort - stages.meet);

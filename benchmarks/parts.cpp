@@ -13,9 +13,9 @@
 #include "drive.hpp"
 #include <evermap/io/map_file.hpp>
 #include <evermap/map/traversal.hpp>
-#include <evermap/update/evidence.hpp>
-#include <evermap/update/impact.hpp>
-#include <evermap/update/encounter.hpp>
+#include <evermap/update/detail/encounter.hpp>
+#include <evermap/update/detail/evidence.hpp>
+#include <evermap/update/detail/impact.hpp>
 
 namespace evermap {
 namespace {
@@ -117,7 +117,8 @@ void update(benchmark::State& state, const UpdateParameters& parameters) {
   Setting at = setting(state);
   std::size_t i = 0;
   for (auto _ : state) {
-    update(at.octree, condense(at.drive.scans[i], at.drive.T_map_sensor[i], at.octree.grid(), {}), parameters);
+    update(at.octree, condense(at.drive.scans[i], at.drive.T_map_sensor[i], at.octree.grid(), {}),
+           parameters);
     i = (i + 1) % kScans;
   }
 }

@@ -10,10 +10,10 @@
 #include <benchmark/benchmark.h>
 #include <oneapi/tbb/global_control.h>
 
-#include <evermap/localization/perturbation.hpp>
-#include <evermap/localization/registration.hpp>
+#include <evermap/localization/detail/perturbation.hpp>
+#include <evermap/localization/detail/registration.hpp>
 #include <evermap/simulation/scenario_drive.hpp>
-#include <evermap/update/map_updater.hpp>
+#include <evermap/update/detail/map_updater.hpp>
 
 #ifdef EVERMAP_HAS_PCL
 #include <pcl/console/print.h>

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <evermap/map/traversal.hpp>
-#include <evermap/update/map_updater.hpp>
+#include <evermap/update/detail/map_updater.hpp>
 
 using namespace evermap;
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include <evermap/simulation/simulator.hpp>
-#include <evermap/update/map_updater.hpp>
+#include <evermap/update/detail/map_updater.hpp>
 
 using namespace evermap;
 

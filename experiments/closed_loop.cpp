@@ -6,7 +6,7 @@
 #include <string>
 
 #include <evermap/evaluation/trajectory_metrics.hpp>
-#include <evermap/geometry/neighbourhood.hpp>
+#include <evermap/geometry/detail/neighbourhood.hpp>
 
 namespace evermap {
 Octree gaussians_of_grid(const Points& centers, double edge) {

@@ -7,7 +7,7 @@
 
 #include "report.hpp"
 #include <evermap/evaluation/mapper.hpp>
-#include <evermap/localization/localizer.hpp>
+#include <evermap/localization/detail/localizer.hpp>
 
 namespace evermap {
 

@@ -12,7 +12,7 @@
 
 #include <evermap/evaluation/map_metrics.hpp>
 #include <evermap/evaluation/ray_coverage.hpp>
-#include <evermap/scan/ray_bundle.hpp>
+#include <evermap/scan/detail/ray_bundle.hpp>
 #include <evermap/scan/scan.hpp>
 
 namespace evermap {

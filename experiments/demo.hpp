@@ -9,8 +9,8 @@
 namespace evermap {
 
 /// Simulates a yard that changed and lets all mappers maintain its map. Writes evermap's map before and after
-/// and pictures of both into the folder. Returns the results as of an experiment "demo". Throws FileError when
-/// a file cannot be written.
+/// and pictures of both into the folder. Returns the results as of an experiment "demo". Throws FileError
+/// when a file cannot be written.
 Json run_demo(const std::filesystem::path& folder);
 
 }  // namespace evermap

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include <evermap/evaluation/map_claims.hpp>
-#include <evermap/io/labelled_boxes.hpp>
+#include <evermap/io/detail/labelled_boxes.hpp>
 #include <evermap/io/scan_source.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
 

@@ -8,7 +8,7 @@
 #include "posed_scans.hpp"
 #include <evermap/evaluation/labelled_drive.hpp>
 #include <evermap/evaluation/map_metrics.hpp>
-#include <evermap/scan/labelled_box.hpp>
+#include <evermap/scan/detail/labelled_box.hpp>
 #include <evermap/update/parameters.hpp>
 
 namespace evermap {

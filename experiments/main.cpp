@@ -18,7 +18,7 @@
 #include "experiments/result_cache.hpp"
 #include "experiments/result_file.hpp"
 #include "progress_bar.hpp"
-#include <evermap/io/atomic_file.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
 #include <evermap/io/map_file.hpp>
 
 namespace evermap {

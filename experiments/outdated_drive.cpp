@@ -14,7 +14,7 @@
 #include "posed_scans.hpp"
 #include <evermap/evaluation/labelled_drive.hpp>
 #include <evermap/geometry/voxel_key.hpp>
-#include <evermap/io/labelled_boxes.hpp>
+#include <evermap/io/detail/labelled_boxes.hpp>
 
 namespace evermap {
 namespace {

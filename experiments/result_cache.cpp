@@ -15,8 +15,8 @@
 
 #include "experiments/machine.hpp"
 #include "experiments/result_file.hpp"
-#include <evermap/geometry/voxel_key.hpp>
 #include <evermap/files/file_error.hpp>
+#include <evermap/geometry/voxel_key.hpp>
 
 namespace evermap {
 namespace {
@@ -38,7 +38,7 @@ void check_folder(const std::filesystem::path& folder) {
   if (std::filesystem::exists(folder / kMark, error)) return;
   if (std::filesystem::is_empty(folder, error) && !error) return;
   throw FileError(folder,
-                "holds files that evermap_experiments did not write; name another folder, or an empty one");
+                  "holds files that evermap_experiments did not write; name another folder, or an empty one");
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <evermap/io/atomic_file.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
 
 namespace evermap {
 namespace {

@@ -12,9 +12,9 @@
 #include <evermap/io/map_file.hpp>
 #include <evermap/io/poses.hpp>
 #include <evermap/io/scan_source.hpp>
-#include <evermap/localization/localizer.hpp>
-#include <evermap/scan/deskew.hpp>
-#include <evermap/update/map_updater.hpp>
+#include <evermap/localization/detail/localizer.hpp>
+#include <evermap/scan/detail/deskew.hpp>
+#include <evermap/update/detail/map_updater.hpp>
 
 using namespace evermap;
 

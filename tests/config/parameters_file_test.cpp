@@ -28,9 +28,10 @@ class ParametersFileTest : public FileTest {
 };
 
 TEST_F(ParametersFileTest, SetsWhatItNamesAndNothingElse) {
-  const auto file = make("parameters.yaml",
-                         "lidar:\n  max_range: 60\nupdate:\n  impact: equation5_printed\n  trim_leaves: true\n"
-                         "gate: {lost_after: 9}\nrollback:\n  scans: 3  # a comment\n");
+  const auto file =
+      make("parameters.yaml",
+           "lidar:\n  max_range: 60\nupdate:\n  impact: equation5_printed\n  trim_leaves: true\n"
+           "gate: {lost_after: 9}\nrollback:\n  scans: 3  # a comment\n");
   Parameters parameters;
   read_parameters(file, parameters);
   EXPECT_EQ(parameters.lidar.max_range, 60);

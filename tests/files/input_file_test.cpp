@@ -3,7 +3,7 @@
 #include <sys/stat.h>
 
 #include "files/file_fixture.hpp"
-#include <evermap/files/input_file.hpp>
+#include <evermap/files/detail/input_file.hpp>
 
 namespace evermap {
 namespace {

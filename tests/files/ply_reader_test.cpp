@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files/file_fixture.hpp"
-#include <evermap/files/ply_reader.hpp>
+#include <evermap/files/detail/ply_reader.hpp>
 
 namespace evermap {
 namespace {

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "files/file_fixture.hpp"
-#include <evermap/files/record_layout.hpp>
+#include <evermap/files/detail/record_layout.hpp>
 
 namespace evermap {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "files/file_fixture.hpp"
-#include <evermap/files/text_lines.hpp>
+#include <evermap/files/detail/text_lines.hpp>
 
 namespace evermap {
 namespace {

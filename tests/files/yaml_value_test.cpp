@@ -3,7 +3,7 @@
 #include <array>
 
 #include "files/file_fixture.hpp"
-#include <evermap/files/yaml_value.hpp>
+#include <evermap/files/detail/yaml_value.hpp>
 
 namespace evermap {
 namespace {

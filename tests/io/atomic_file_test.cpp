@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "files/file_fixture.hpp"
-#include <evermap/io/atomic_file.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
 
 namespace evermap {
 namespace {

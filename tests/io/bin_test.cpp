@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "files/file_fixture.hpp"
-#include <evermap/io/bin.hpp>
+#include <evermap/io/detail/bin.hpp>
 
 namespace evermap {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include <evermap/io/lzf.hpp>
+#include <evermap/io/detail/lzf.hpp>
 
 namespace evermap {
 namespace {

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "files/file_fixture.hpp"
+#include <evermap/io/detail/map_undo.hpp>
 #include <evermap/io/map_file.hpp>
-#include <evermap/io/map_undo.hpp>
 
 namespace evermap {
 namespace {

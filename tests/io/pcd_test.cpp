@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "io/cloud_samples.hpp"
-#include <evermap/io/pcd.hpp>
+#include <evermap/io/detail/pcd.hpp>
 
 namespace evermap {
 namespace {

@@ -10,9 +10,9 @@
 
 #include "files/file_fixture.hpp"
 #include <evermap/io/cloud.hpp>
-#include <evermap/io/lzf.hpp>
-#include <evermap/io/pcd.hpp>
-#include <evermap/io/ply.hpp>
+#include <evermap/io/detail/lzf.hpp>
+#include <evermap/io/detail/pcd.hpp>
+#include <evermap/io/detail/ply.hpp>
 
 // The Point Cloud Library reads what evermap writes, and evermap what it writes.
 

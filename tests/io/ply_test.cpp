@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/cloud_samples.hpp"
-#include <evermap/io/ply.hpp>
+#include <evermap/io/detail/ply.hpp>
 
 namespace evermap {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <evermap/io/point_time.hpp>
+#include <evermap/io/detail/point_time.hpp>
 
 namespace evermap {
 namespace {

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "support/random_geometry.hpp"
-#include <evermap/localization/factor.hpp>
-#include <evermap/localization/perturbation.hpp>
-#include <evermap/localization/solver.hpp>
+#include <evermap/localization/detail/factor.hpp>
+#include <evermap/localization/detail/perturbation.hpp>
+#include <evermap/localization/detail/solver.hpp>
 
 namespace evermap {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <evermap/localization/gate.hpp>
+#include <evermap/localization/detail/gate.hpp>
 
 namespace evermap {
 namespace {

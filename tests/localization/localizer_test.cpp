@@ -13,10 +13,10 @@
 #include <gtest/gtest.h>
 
 #include "localization/worlds.hpp"
-#include <evermap/localization/localizer.hpp>
-#include <evermap/localization/perturbation.hpp>
-#include <evermap/simulation/surface_index.hpp>
+#include <evermap/localization/detail/localizer.hpp>
+#include <evermap/localization/detail/perturbation.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
+#include <evermap/simulation/surface_index.hpp>
 
 namespace evermap {
 namespace {
@@ -297,8 +297,8 @@ TEST(Localizer, RefusesScansThatAreNotLater) {
 TEST(Localizer, AScanThatItsCallerRejectsDidNotPass) {
   Localizer localizer(drive().truth(0), {}, {});
   for (std::size_t i = 0; i < 5; ++i) {
-    Localization at = localizer.propose(survey(), drive().scan(i), kPeriod * static_cast<double>(i),
-                                        drive().truth(i));
+    Localization at =
+        localizer.propose(survey(), drive().scan(i), kPeriod * static_cast<double>(i), drive().truth(i));
     EXPECT_EQ(at.is_writable(), i > 0);  // not before the motion is known
     if (at.is_writable()) at.reject_reason = RejectReason::kContradictsMap;
     localizer.conclude(at);

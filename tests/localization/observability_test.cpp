@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include <evermap/localization/observability.hpp>
+#include <evermap/localization/detail/observability.hpp>
 
 namespace evermap {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "support/random_geometry.hpp"
-#include <evermap/localization/perturbation.hpp>
+#include <evermap/localization/detail/perturbation.hpp>
 
 namespace evermap {
 namespace {

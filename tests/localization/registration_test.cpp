@@ -10,9 +10,9 @@
 
 #include "localization/worlds.hpp"
 #include "support/random_geometry.hpp"
-#include <evermap/localization/correspondence.hpp>
-#include <evermap/localization/perturbation.hpp>
-#include <evermap/localization/registration.hpp>
+#include <evermap/localization/detail/correspondence.hpp>
+#include <evermap/localization/detail/perturbation.hpp>
+#include <evermap/localization/detail/registration.hpp>
 
 namespace evermap {
 namespace {

@@ -7,7 +7,7 @@
 #include <evermap/map/octree.hpp>
 #include <evermap/simulation/scenario_drive.hpp>
 #include <evermap/simulation/simulator.hpp>
-#include <evermap/update/map_updater.hpp>
+#include <evermap/update/detail/map_updater.hpp>
 
 namespace evermap::test {
 

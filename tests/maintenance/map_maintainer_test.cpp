@@ -11,7 +11,8 @@
 
 #include "localization/worlds.hpp"
 #include <evermap/maintenance/map_maintainer.hpp>
-#include <evermap/update/viewpoint.hpp>
+#include <evermap/update/detail/map_updater.hpp>
+#include <evermap/update/detail/viewpoint.hpp>
 
 namespace evermap {
 namespace {
@@ -83,12 +84,12 @@ TEST_F(MapMaintainerTest, TellsWhatChanged) {
   std::size_t became_occupied = 0;
   std::size_t erased = 0;
   for (int i = 0; i < 10; ++i) {
-    const LeafChanges changes = maintainer.process(look(without_wall_, at(0.2 * i)), at(0.2 * i)).changes;
+    const ScanResult result = maintainer.process(look(without_wall_, at(0.2 * i)), at(0.2 * i));
     const std::size_t after = occupied_leaves(maintainer.map());
-    EXPECT_EQ(before + changes.occupied - changes.erased, after);
+    EXPECT_EQ(before + result.leaves_occupied - result.leaves_erased, after);
     before = after;
-    became_occupied += changes.occupied;
-    erased += changes.erased;
+    became_occupied += result.leaves_occupied;
+    erased += result.leaves_erased;
   }
   EXPECT_GT(became_occupied, 20U);
   EXPECT_GT(erased, 20U);
@@ -118,7 +119,7 @@ TEST_F(MapMaintainerTest, AccountsForEveryPoint) {
   high.translation.z() = 0.2 * VoxelKey::kMaxZ - 150;
   for (const MapMode mode : {MapMode::kMapping, MapMode::kMaintenance}) {
     MapMaintainer maintainer(Octree(VoxelGrid{0.2}), {}, mode);
-    const PointCounts points = maintainer.process(scan, high).points;
+    const ScanResult::PointCounts points = maintainer.process(scan, high).points;
     EXPECT_EQ(points.total, 12U);
     EXPECT_EQ(points.used, 3U);
     EXPECT_EQ(points.not_finite, 2U);

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include <evermap/map/octree.hpp>
+#include <evermap/map/detail/leaf_finder.hpp>
 
 namespace evermap {
 namespace {
@@ -106,7 +106,8 @@ TEST(Octree, ACopyIsASnapshot) {
     if (Leaf* leaf = octree.find(random_key(random))) leaf->count = 1;
     if (random.chance(0.001)) snapshots.emplace_back(octree, twin);
     if (!snapshots.empty() && random.chance(0.0005)) {  // a map of its own, changed in its turn
-      auto& [map, leaves] = snapshots[static_cast<std::size_t>(random.integer(0, static_cast<int>(snapshots.size()) - 1))];
+      auto& [map, leaves] =
+          snapshots[static_cast<std::size_t>(random.integer(0, static_cast<int>(snapshots.size()) - 1))];
       for (auto& [changed, log_odds] : leaves) map.find(changed)->log_odds = log_odds = -1;
     }
     if (random.chance(0.0005)) snapshots.clear();

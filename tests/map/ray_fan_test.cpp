@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include <evermap/map/ray_fan.hpp>
+#include <evermap/map/detail/ray_fan.hpp>
 #include <evermap/map/traversal.hpp>
 
 namespace evermap {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include <evermap/map/shared_array.hpp>
+#include <evermap/map/detail/shared_array.hpp>
 
 namespace evermap {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include <evermap/map/wide_node.hpp>
+#include <evermap/map/detail/wide_node.hpp>
 
 namespace evermap {
 namespace {

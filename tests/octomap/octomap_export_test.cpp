@@ -74,7 +74,7 @@ TEST_F(OctomapExportTest, MapsBeyondOctomapsKeysAreRefused) {
   }();
   for (const char* name : {"map.ot", "map.bt"}) {
     file_error(path(name), "export it as .pcd or .ply",
-             [&] { export_map(far, path(name), octomap_formats()); });
+               [&] { export_map(far, path(name), octomap_formats()); });
   }
   EXPECT_EQ(files_in_folder(), 0U);
 }
@@ -82,9 +82,9 @@ TEST_F(OctomapExportTest, MapsBeyondOctomapsKeysAreRefused) {
 TEST_F(OctomapExportTest, UnknownExtensionsAreRefused) {
   for (const char* name : {"map.pcd", "map", "map.ot.gz"}) {
     file_error(path(name), "known are .ot and .bt",
-             [&] { export_map(octree_, path(name), octomap_formats()); });
+               [&] { export_map(octree_, path(name), octomap_formats()); });
     file_error(path(name), "known are .ot and .bt",
-             [&] { check_export_extension(path(name), octomap_formats()); });
+               [&] { check_export_extension(path(name), octomap_formats()); });
   }
   check_export_extension("map.OT", octomap_formats());
   EXPECT_EQ(files_in_folder(), 0U);

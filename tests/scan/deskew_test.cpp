@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "support/random_geometry.hpp"
-#include <evermap/scan/deskew.hpp>
+#include <evermap/scan/detail/deskew.hpp>
 
 namespace evermap {
 namespace {

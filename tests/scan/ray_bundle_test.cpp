@@ -9,7 +9,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include <evermap/scan/ray_bundle.hpp>
+#include <evermap/scan/detail/ray_bundle.hpp>
 
 namespace evermap {
 namespace {

@@ -235,7 +235,8 @@ TEST_F(ScenarioTest, RefusesImpossibleObjects) {
 TEST_F(ScenarioTest, RefusesWhatWouldTakeTheMemory) {
   expect_object_refused("- {name: a, box: [1, 1001, 1], at: [5, 5]}",
                         "box needs a number above 0, up to 1000, not '1001'");
-  expect_object_refused("- {name: a, post: {height: 1e6}, at: [5, 5]}", "height needs a number above 0, up to 1000");
+  expect_object_refused("- {name: a, post: {height: 1e6}, at: [5, 5]}",
+                        "height needs a number above 0, up to 1000");
   expect_object_refused("- {name: a, wall: {from: [0, 0], to: [1, 0], height: 1e6}}", "height needs");
   expect_object_refused("- {name: a, heap: {radius: 1e6, height: 1}, at: [5, 5]}", "radius needs");
   expect_object_refused("- {name: a, pile: {height: [[0, 1], [9, 20]], repose: 5}, at: [5, 5]}",

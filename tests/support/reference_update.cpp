@@ -122,12 +122,13 @@ double approach_impact(const ReferenceLeaf& leaf, const Vector3d& o, const Bundl
   const Vector3d n = eigen.eigenvectors().col(0);
   const bool flat = eigen.eigenvalues()[0] < 0.2 * eigen.eigenvalues()[1];
   const double length = (bundle.mean - o).norm();
-  if (!(flat && parameters.update.surface_crossing) && length - along < parameters.update.hit_margin * error) return 0;
+  if (!(flat && parameters.update.surface_crossing) && length - along < parameters.update.hit_margin * error)
+    return 0;
   if (!flat) return likelihood;
   const double side_o = n.dot(o - leaf.mean), side_end = n.dot(bundle.mean - leaf.mean);
   const bool through =
-      (side_o < 0) != (side_end < 0) &&
-      std::abs(side_end) > 3 * std::sqrt(eigen.eigenvalues()[0]) + parameters.update.surface_tolerance * error;
+      (side_o < 0) != (side_end < 0) && std::abs(side_end) > 3 * std::sqrt(eigen.eigenvalues()[0]) +
+                                                                 parameters.update.surface_tolerance * error;
   if (parameters.update.surface_crossing && !through) return 0;
   return likelihood;
 }
@@ -139,8 +140,7 @@ bool is_hit(const std::vector<Bundle>& bundles, VoxelKey key) {
 using Evidence = std::map<VoxelKey, std::vector<Contradiction>>;
 
 Evidence gathered(const std::map<VoxelKey, ReferenceLeaf>& leaves, const std::vector<Bundle>& bundles,
-                  const VoxelGrid& grid, const Vector3d& o, double error,
-                  const Parameters& parameters) {
+                  const VoxelGrid& grid, const Vector3d& o, double error, const Parameters& parameters) {
   Evidence evidence;
   std::set<VoxelKey> hit;
   for (const Bundle& bundle : bundles) hit.insert(bundle.key);
@@ -247,7 +247,8 @@ bool subtract_sigma_points(ReferenceLeaf& leaf, const Vector3d& o, const Bundle&
 void confirm(std::map<VoxelKey, ReferenceLeaf>& leaves, const Bundle& bundle, const VoxelGrid& grid,
              const Parameters& parameters, int confirmations) {
   const auto found = leaves.find(bundle.key);
-  ReferenceLeaf leaf{bundle.mean, bundle.covariance, bundle.count, parameters.update.hit * (2 - confirmations)};
+  ReferenceLeaf leaf{bundle.mean, bundle.covariance, bundle.count,
+                     parameters.update.hit * (2 - confirmations)};
   if (found != leaves.end()) {
     const ReferenceLeaf& old = found->second;
     const double n = old.count + bundle.count;
@@ -272,8 +273,7 @@ void confirm(std::map<VoxelKey, ReferenceLeaf>& leaves, const Bundle& bundle, co
 
 }  // namespace
 
-void ReferenceUpdate::add(const Scan& scan, const Pose& T_map_sensor,
-                               const Parameters& parameters) {
+void ReferenceUpdate::add(const Scan& scan, const Pose& T_map_sensor, const Parameters& parameters) {
   ambiguous.clear();
   for (const Bundle& bundle : condensed(scan, T_map_sensor, grid_, parameters)) {
     confirm(leaves, bundle, grid_, parameters, 1);
@@ -305,7 +305,8 @@ void ReferenceUpdate::update(const Scan& scan, const Pose& T_map_sensor, const P
     const double least = rounded(parameters.update.hit * (2 - parameters.update.confirmations));
     if (was_occupied ? leaf.log_odds <= 0 : leaf.log_odds < least) leaves.erase(key);
   }
-  for (const Bundle& bundle : bundles) confirm(leaves, bundle, grid_, parameters, parameters.update.confirmations);
+  for (const Bundle& bundle : bundles)
+    confirm(leaves, bundle, grid_, parameters, parameters.update.confirmations);
 }
 
 }  // namespace evermap::test

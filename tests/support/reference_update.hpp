@@ -9,8 +9,8 @@
 
 #include <evermap/geometry/pose.hpp>
 #include <evermap/geometry/voxel_key.hpp>
-#include <evermap/scan/scan.hpp>
 #include <evermap/maintenance/parameters.hpp>
+#include <evermap/scan/scan.hpp>
 
 namespace evermap::test {
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include <evermap/update/evidence.hpp>
-#include <evermap/update/map_updater.hpp>
+#include <evermap/update/detail/evidence.hpp>
+#include <evermap/update/detail/map_updater.hpp>
 
 namespace evermap {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include <evermap/update/impact.hpp>
+#include <evermap/update/detail/impact.hpp>
 
 namespace evermap {
 namespace {

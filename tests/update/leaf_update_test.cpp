@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include <evermap/update/leaf_update.hpp>
+#include <evermap/update/detail/leaf_update.hpp>
 
 namespace evermap {
 namespace {

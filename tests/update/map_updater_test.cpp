@@ -17,7 +17,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <evermap/maintenance/parameters.hpp>
-#include <evermap/update/map_updater.hpp>
+#include <evermap/update/detail/map_updater.hpp>
 
 namespace evermap {
 namespace {
@@ -33,16 +33,15 @@ using test::ToyScene;
 struct Mode {
   std::string name;
   Parameters parameters;
-  std::optional<Parameters> base;  ///< what it varies, if any
-  double edge = 0.4;                     ///< [m]
-  Vector3d place = Vector3d::Zero();     ///< [m]
-  int points = 900;                      ///< of each scan
+  std::optional<Parameters> base;     ///< what it varies, if any
+  double edge = 0.4;                  ///< [m]
+  Vector3d place = Vector3d::Zero();  ///< [m]
+  int points = 900;                   ///< of each scan
 };
 
 void PrintTo(const Mode& mode, std::ostream* out) { *out << mode.name; }
 
-Mode varied(const std::string& name, const Parameters& base,
-            const std::function<void(Parameters&)>& change) {
+Mode varied(const std::string& name, const Parameters& base, const std::function<void(Parameters&)>& change) {
   Mode mode{name, base, base};
   change(mode.parameters);
   return mode;
@@ -74,7 +73,8 @@ std::vector<Mode> default_modes() {
       varied("ShortMemory", standard, [](P& p) { p.update.max_count = 5; }),
       varied("LowClamp", standard, [](P& p) { p.update.max_log_odds = 2.5; }),
       varied("NoLongTerm", standard, [](P& p) { p.update.long_term_hit = 0; }),
-      varied("LongTermSoon", standard, [](P& p) { p.update.long_term_hit = 3, p.update.long_term_max_log_odds = 5; }),
+      varied("LongTermSoon", standard,
+             [](P& p) { p.update.long_term_hit = 3, p.update.long_term_max_log_odds = 5; }),
       varied("ForgetsNothing", standard, [](P& p) { p.update.forgetting = 0; }),
       varied("NearOnly", standard, [](P& p) { p.lidar.min_range = 4, p.lidar.max_range = 15; }),
       varied("CoarseSensor", standard, [](P& p) { p.lidar.range_sigma = 0.05; }),

@@ -9,8 +9,8 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include <evermap/update/impact.hpp>
-#include <evermap/update/paper_impact.hpp>
+#include <evermap/update/detail/impact.hpp>
+#include <evermap/update/detail/paper_impact.hpp>
 
 namespace evermap {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <evermap/update/viewpoint.hpp>
+#include <evermap/update/detail/viewpoint.hpp>
 
 namespace evermap {
 namespace {

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include <evermap/config/parameters_file.hpp>
-#include <evermap/files/yaml_value.hpp>
+#include <evermap/files/detail/yaml_value.hpp>
 
 namespace evermap {
 namespace {
@@ -46,7 +46,8 @@ void for_each_update_field(Update& update, Visit&& visit) {
          surface_tolerance, hit, miss, max_log_odds, long_term_hit, long_term_max_log_odds, confirmations,
          max_count, forgetting, standstill] = update;
   visit("update.impact", impact, "", Limits{}, "how a ray's contradiction of a leaf is measured");
-  visit("update.combination", combination, "", Limits{}, "how the impacts of one scan's bundles become one step");
+  visit("update.combination", combination, "", Limits{},
+        "how the impacts of one scan's bundles become one step");
   visit("update.spare_reobserved", spare_reobserved, "", kAnyBool,
         "a leaf whose surface the scan shows in a neighbouring voxel is spared");
   visit("update.surface_crossing", surface_crossing, "", kAnyBool,
@@ -60,7 +61,8 @@ void for_each_update_field(Update& update, Visit&& visit) {
         "by which a surface may seem displaced");
   visit("update.hit", hit, "log-odds", kLogOdds, "gained by one hit");
   visit("update.miss", miss, "log-odds", kLogOdds, "lost by one full contradiction");
-  visit("update.max_log_odds", max_log_odds, "log-odds", kLogOdds, "most that a survey or a few hits can tell");
+  visit("update.max_log_odds", max_log_odds, "log-odds", kLogOdds,
+        "most that a survey or a few hits can tell");
   visit("update.long_term_hit", long_term_hit, "log-odds", kLogOdds, "gained by each further hit");
   visit("update.long_term_max_log_odds", long_term_max_log_odds, "log-odds", kLogOdds,
         "most that many hits can tell");
@@ -103,16 +105,18 @@ void for_each_localization_field(Localization& localization, Visit&& visit) {
     visit("registration.least_turn_accuracy", rotation, "rad", Limits{1e-5, 1}, "likewise");
   }
   {
-    auto& [max_translation, max_rotation, max_growth, max_residual, least_inlier_fraction, reach, turn, memory,
-           starting_slack, max_jump, lost_after, blind] = gate;
+    auto& [max_translation, max_rotation, max_growth, max_residual, least_inlier_fraction, reach, turn,
+           memory, starting_slack, max_jump, lost_after, blind] = gate;
     visit("gate.max_translation", max_translation, "m", Limits{0, 100},
           "from a prediction over 0.1 s; farther is unusual");
-    visit("gate.max_rotation", max_rotation, "rad", Limits{0, 4}, "from a prediction over 0.1 s; more is unusual");
+    visit("gate.max_rotation", max_rotation, "rad", Limits{0, 4},
+          "from a prediction over 0.1 s; more is unusual");
     visit("gate.reach", reach, "m", Limits{0, 100}, "that a vehicle can leave its prediction by in 0.1 s");
     visit("gate.turn", turn, "rad", Limits{0, 4}, "that a vehicle can leave its prediction by in 0.1 s");
     visit("gate.max_growth", max_growth, "", Limits{1, 100},
           "by which what was usual may widen the two bounds above");
-    visit("gate.max_residual", max_residual, "", Limits{1, 1000}, "times the median of the scans that passed");
+    visit("gate.max_residual", max_residual, "", Limits{1, 1000},
+          "times the median of the scans that passed");
     visit("gate.least_inlier_fraction", least_inlier_fraction, "", kFraction,
           "times the median of the scans that passed");
     visit("gate.memory", memory, "scans", Limits{5, 10000}, "that the medians are taken over");
@@ -126,7 +130,8 @@ void for_each_localization_field(Localization& localization, Visit&& visit) {
   }
   {
     auto& [reach, turn, step, turn_step, finalists, rival] = relocation;
-    visit("relocation.reach", reach, "m", Limits{0, 1000}, "to either side, that a lost robot is searched in");
+    visit("relocation.reach", reach, "m", Limits{0, 1000},
+          "to either side, that a lost robot is searched in");
     visit("relocation.turn", turn, "rad", Limits{0, 3.15}, "to either side");
     visit("relocation.step", step, "m", Limits{0.01, 100}, "between places that are tried");
     visit("relocation.turn_step", turn_step, "rad", Limits{0.001, 3.15}, "between headings that are tried");
@@ -144,7 +149,8 @@ void for_each_rollback_field(Rollback& rollback, Visit&& visit) {
   visit("rollback.max_contradicting_at_first", max_contradicting_at_first, "", kFraction,
         "of a scan's rays, while there is no median");
   visit("rollback.memory", memory, "scans", Limits{5, 10000}, "that the median is taken over");
-  visit("rollback.scans", scans, "scans", Limits{0, 10000}, "whose changes are undone when the robot was lost");
+  visit("rollback.scans", scans, "scans", Limits{0, 10000},
+        "whose changes are undone when the robot was lost");
 }
 
 template <class AnyParameters, class Visit>
@@ -173,7 +179,8 @@ template <class Field>
 std::string values_of(const Field& field, [[maybe_unused]] const Limits& limits) {
   if constexpr (std::is_enum_v<Field>) {
     std::string text;
-    for (const auto& [value, name] : names_of(field)) text += (text.empty() ? "" : " or ") + std::string(name);
+    for (const auto& [value, name] : names_of(field))
+      text += (text.empty() ? "" : " or ") + std::string(name);
     return text;
   } else if constexpr (std::is_same_v<Field, bool>) {
     return "true or false";
@@ -200,13 +207,13 @@ void set(Field& field, [[maybe_unused]] const Limits& limits, const YamlValue& v
 void read_parameters(const std::filesystem::path& path, Parameters& parameters) {
   const YamlMap root(YamlValue::read(path));
   std::map<std::string, YamlMap> sections;
-  for_each_field(parameters, [&](const std::string& name, auto& field, const char*, const Limits& limits,
-                                 const char*) {
-    const std::size_t dot = name.find('.');
-    const std::string section = name.substr(0, dot);
-    const YamlMap& values = sections.try_emplace(section, root.section(section)).first->second;
-    if (const auto value = values.find(name.substr(dot + 1))) set(field, limits, *value);
-  });
+  for_each_field(parameters,
+                 [&](const std::string& name, auto& field, const char*, const Limits& limits, const char*) {
+                   const std::size_t dot = name.find('.');
+                   const std::string section = name.substr(0, dot);
+                   const YamlMap& values = sections.try_emplace(section, root.section(section)).first->second;
+                   if (const auto value = values.find(name.substr(dot + 1))) set(field, limits, *value);
+                 });
   constexpr std::string_view kHint = "evermap config lists all";
   root.refuse_unknown(kHint);
   for (const auto& [name, section] : sections) section.refuse_unknown(kHint);
@@ -216,7 +223,7 @@ std::string to_yaml(const Parameters& parameters) {
   std::map<std::string, std::string> defaults;
   const Parameters standard;
   for_each_field(standard, [&](const std::string& name, const auto& field, const char*, const Limits&,
-                                   const char*) { defaults[name] = to_string(field); });
+                               const char*) { defaults[name] = to_string(field); });
   std::string text;
   std::string section;
   for_each_field(parameters, [&](const std::string& name, const auto& field, const std::string& unit,
@@ -226,9 +233,9 @@ std::string to_yaml(const Parameters& parameters) {
       section = name.substr(0, dot);
       text += section + ":\n";
     }
-    text += fmt::format("  {:<40}  # {}{}, default {}: {}\n",
-                        name.substr(dot + 1) + ": " + to_string(field), unit.empty() ? "" : "[" + unit + "] ",
-                        values_of(field, limits), defaults[name], meaning);
+    text +=
+        fmt::format("  {:<40}  # {}{}, default {}: {}\n", name.substr(dot + 1) + ": " + to_string(field),
+                    unit.empty() ? "" : "[" + unit + "] ", values_of(field, limits), defaults[name], meaning);
   });
   return text;
 }

@@ -4,7 +4,7 @@
 
 #include <evermap/evaluation/evermap_mapper.hpp>
 #include <evermap/evaluation/map_claims.hpp>
-#include <evermap/update/map_updater.hpp>
+#include <evermap/update/detail/map_updater.hpp>
 
 namespace evermap {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <evermap/geometry/pose.hpp>
-#include <evermap/scan/labelled_box.hpp>
+#include <evermap/scan/detail/labelled_box.hpp>
 #include <evermap/scan/scan.hpp>
 
 namespace evermap {

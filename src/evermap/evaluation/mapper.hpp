@@ -17,7 +17,7 @@
 #include <evermap/geometry/pose.hpp>
 #include <evermap/maintenance/scan_result.hpp>
 #include <evermap/map/octree.hpp>
-#include <evermap/scan/ray_bundle.hpp>
+#include <evermap/scan/detail/ray_bundle.hpp>
 #include <evermap/scan/scan.hpp>
 
 namespace evermap {

@@ -7,8 +7,8 @@
 #include <unordered_map>
 
 #include <evermap/evaluation/ray_coverage.hpp>
-#include <evermap/geometry/for_each_index.hpp>
-#include <evermap/map/voxel_walk.hpp>
+#include <evermap/geometry/detail/for_each_index.hpp>
+#include <evermap/map/detail/voxel_walk.hpp>
 
 namespace evermap {
 namespace {

@@ -10,7 +10,7 @@
 #include <unistd.h>
 #include <utility>
 
-#include <evermap/files/input_file.hpp>
+#include <evermap/files/detail/input_file.hpp>
 
 namespace evermap {
 

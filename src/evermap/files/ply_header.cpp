@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include <evermap/files/ply_header.hpp>
+#include <evermap/files/detail/ply_header.hpp>
 
 namespace evermap {
 namespace {

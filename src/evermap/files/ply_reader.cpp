@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <string>
 
-#include <evermap/files/ply_reader.hpp>
+#include <evermap/files/detail/ply_reader.hpp>
 
 namespace evermap {
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-#include <evermap/files/record_layout.hpp>
+#include <evermap/files/detail/record_layout.hpp>
 
 namespace evermap {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
-#include <evermap/files/text_lines.hpp>
+#include <evermap/files/detail/text_lines.hpp>
 
 namespace evermap {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <evermap/files/input_file.hpp>
-#include <evermap/files/text_lines.hpp>
-#include <evermap/files/yaml_value.hpp>
+#include <evermap/files/detail/input_file.hpp>
+#include <evermap/files/detail/text_lines.hpp>
+#include <evermap/files/detail/yaml_value.hpp>
 
 namespace evermap {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include <evermap/files/file_error.hpp>
-#include <evermap/io/atomic_file.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
 
 namespace evermap {
 namespace {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include <evermap/io/bin.hpp>
-#include <evermap/io/scan_builder.hpp>
+#include <evermap/io/detail/bin.hpp>
+#include <evermap/io/detail/scan_builder.hpp>
 
 namespace evermap {
 namespace {

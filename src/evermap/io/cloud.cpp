@@ -6,10 +6,10 @@
 #include <string>
 
 #include <evermap/files/file_error.hpp>
-#include <evermap/io/bin.hpp>
 #include <evermap/io/cloud.hpp>
-#include <evermap/io/pcd.hpp>
-#include <evermap/io/ply.hpp>
+#include <evermap/io/detail/bin.hpp>
+#include <evermap/io/detail/pcd.hpp>
+#include <evermap/io/detail/ply.hpp>
 
 namespace evermap {
 namespace {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string_view>
 
-#include <evermap/io/cloud_notes.hpp>
+#include <evermap/io/detail/cloud_notes.hpp>
 #include <evermap/scan/scan.hpp>
 
 namespace evermap {

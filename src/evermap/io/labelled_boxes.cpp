@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include <evermap/files/text_lines.hpp>
-#include <evermap/io/labelled_boxes.hpp>
+#include <evermap/files/detail/text_lines.hpp>
+#include <evermap/io/detail/labelled_boxes.hpp>
 
 namespace evermap {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
-#include <evermap/io/lzf.hpp>
+#include <evermap/io/detail/lzf.hpp>
 
 namespace evermap {
 

@@ -7,10 +7,10 @@
 #include <string>
 
 #include <evermap/files/file_error.hpp>
+#include <evermap/io/detail/pcd.hpp>
+#include <evermap/io/detail/ply.hpp>
+#include <evermap/io/detail/point_table.hpp>
 #include <evermap/io/map_export.hpp>
-#include <evermap/io/pcd.hpp>
-#include <evermap/io/ply.hpp>
-#include <evermap/io/point_table.hpp>
 
 namespace evermap {
 namespace {

@@ -26,8 +26,8 @@ std::span<const MapFormat> cloud_formats();
 void check_export_extension(const std::filesystem::path& path,
                             std::span<const MapFormat> formats = cloud_formats());
 
-/// Writes the occupied leaves for other programs, atomically. Throws FileError when the file cannot be written,
-/// the extension is unknown, or the format cannot hold this map.
+/// Writes the occupied leaves for other programs, atomically. Throws FileError when the file cannot be
+/// written, the extension is unknown, or the format cannot hold this map.
 void export_map(const Octree& octree, const std::filesystem::path& path,
                 std::span<const MapFormat> formats = cloud_formats());
 

@@ -11,8 +11,8 @@
 
 #include <xxhash.h>
 
-#include <evermap/files/input_file.hpp>
-#include <evermap/io/atomic_file.hpp>
+#include <evermap/files/detail/input_file.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
 #include <evermap/io/map_file.hpp>
 
 namespace evermap {

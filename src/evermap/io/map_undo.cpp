@@ -3,8 +3,8 @@
 #include <system_error>
 
 #include <evermap/files/file_error.hpp>
+#include <evermap/io/detail/map_undo.hpp>
 #include <evermap/io/map_file.hpp>
-#include <evermap/io/map_undo.hpp>
 
 namespace evermap {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <string>
 
-#include <evermap/io/lzf.hpp>
-#include <evermap/io/pcd.hpp>
-#include <evermap/io/pcd_header.hpp>
-#include <evermap/io/scan_builder.hpp>
+#include <evermap/io/detail/lzf.hpp>
+#include <evermap/io/detail/pcd.hpp>
+#include <evermap/io/detail/pcd_header.hpp>
+#include <evermap/io/detail/scan_builder.hpp>
 
 namespace evermap {
 namespace {

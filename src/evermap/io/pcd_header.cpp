@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include <evermap/io/pcd_header.hpp>
-#include <evermap/io/quaternion.hpp>
+#include <evermap/io/detail/pcd_header.hpp>
+#include <evermap/io/detail/quaternion.hpp>
 
 namespace evermap {
 namespace {

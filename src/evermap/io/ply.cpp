@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <string>
 
-#include <evermap/files/ply_reader.hpp>
-#include <evermap/io/ply.hpp>
-#include <evermap/io/scan_builder.hpp>
+#include <evermap/files/detail/ply_reader.hpp>
+#include <evermap/io/detail/ply.hpp>
+#include <evermap/io/detail/scan_builder.hpp>
 
 namespace evermap {
 namespace {

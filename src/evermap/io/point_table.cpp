@@ -6,7 +6,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include <evermap/io/point_table.hpp>
+#include <evermap/io/detail/point_table.hpp>
 
 namespace evermap {
 namespace {

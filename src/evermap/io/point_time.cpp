@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdio>
 
-#include <evermap/io/point_time.hpp>
+#include <evermap/io/detail/point_time.hpp>
 
 namespace evermap {
 namespace {

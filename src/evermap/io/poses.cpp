@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <string>
 
-#include <evermap/files/text_lines.hpp>
-#include <evermap/io/atomic_file.hpp>
+#include <evermap/files/detail/text_lines.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
+#include <evermap/io/detail/quaternion.hpp>
 #include <evermap/io/poses.hpp>
-#include <evermap/io/quaternion.hpp>
 
 namespace evermap {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include <evermap/io/scan_builder.hpp>
+#include <evermap/io/detail/scan_builder.hpp>
 
 namespace evermap {
 namespace {

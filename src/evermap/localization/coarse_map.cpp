@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
-#include <evermap/localization/coarse_map.hpp>
+#include <evermap/localization/detail/coarse_map.hpp>
 
 namespace evermap {
 namespace {

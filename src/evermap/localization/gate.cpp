@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include <evermap/localization/gate.hpp>
-#include <evermap/localization/perturbation.hpp>
+#include <evermap/localization/detail/gate.hpp>
+#include <evermap/localization/detail/perturbation.hpp>
 
 namespace evermap {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include <evermap/localization/observability.hpp>
+#include <evermap/localization/detail/observability.hpp>
 
 namespace evermap {
 Observability observability(const Matrix6& information, double noise, const AccuracyLimits& limits) {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <utility>
 
-#include <evermap/geometry/for_each_index.hpp>
-#include <evermap/localization/coarse_map.hpp>
-#include <evermap/localization/correspondence.hpp>
-#include <evermap/localization/perturbation.hpp>
-#include <evermap/localization/relocation.hpp>
+#include <evermap/geometry/detail/for_each_index.hpp>
+#include <evermap/localization/detail/coarse_map.hpp>
+#include <evermap/localization/detail/correspondence.hpp>
+#include <evermap/localization/detail/perturbation.hpp>
+#include <evermap/localization/detail/relocation.hpp>
 
 namespace evermap {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
 
-#include <evermap/localization/solver.hpp>
+#include <evermap/localization/detail/solver.hpp>
 
 namespace evermap {
 

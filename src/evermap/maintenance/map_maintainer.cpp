@@ -4,11 +4,15 @@
 #include <mutex>
 #include <utility>
 
-#include <evermap/geometry/running_median.hpp>
+#include <evermap/geometry/detail/running_median.hpp>
+#include <evermap/localization/detail/localizer.hpp>
+#include <evermap/maintenance/detail/point_counts.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
-#include <evermap/scan/deskew.hpp>
-#include <evermap/update/rollback.hpp>
-#include <evermap/update/viewpoint.hpp>
+#include <evermap/map/detail/leaf_finder.hpp>
+#include <evermap/scan/detail/deskew.hpp>
+#include <evermap/update/detail/map_updater.hpp>
+#include <evermap/update/detail/rollback.hpp>
+#include <evermap/update/detail/viewpoint.hpp>
 
 namespace evermap {
 namespace {
@@ -38,7 +42,7 @@ class MapMaintainer::Loop {
 
   ScanResult process(const Scan& raw, double time, const std::optional<Pose>& T_odom_sensor) {
     ScanResult result;
-    result.points.total = raw.p_sensor.size() + raw.dropped_not_finite + raw.dropped_at_origin;
+    result.points = count_points(raw, {});                  // as long as it is not condensed
     if (map_.empty() && mode_ != MapMode::kLocalization) {  // the first scan lies where it is put
       start_ = Start{raw, localizer_.predict(time, T_odom_sensor), time, T_odom_sensor};
       write(raw, start_->T_map_sensor, result, &Loop::add_to_map);
@@ -51,11 +55,15 @@ class MapMaintainer::Loop {
     if (found.is_writable() && mode_ != MapMode::kLocalization) write_found(raw, found, result);
     const TrackingState before = localizer_.state();
     localizer_.conclude(found);
-    if (found.state == TrackingState::kLost && before != TrackingState::kLost) result.rolled_back = roll_back();
+    if (found.state == TrackingState::kLost && before != TrackingState::kLost)
+      result.rolled_back = roll_back();
     result.T_map_sensor = found.T_map_sensor;
     result.state = found.state;
     result.reject_reason = found.reject_reason;
-    result.registration = found.registration;
+    result.covariance = found.registration.observability.covariance;
+    result.unobservable = found.registration.observability.unobservable;
+    result.inlier_fraction = found.registration.inlier_fraction;
+    result.residual = found.registration.residual;
     return result;
   }
 
@@ -95,13 +103,12 @@ class MapMaintainer::Loop {
     return deskew(raw, T_begin_end, parameters_.lidar.scan_period);
   }
 
-  /// Where the scan is. Where several places come into question, the rays decide, too: a scan that is taken for
-  /// lying behind a wall shoots through it.
+  /// Where the scan is. Where several places come into question, the rays decide, too: a scan that is taken
+  /// for lying behind a wall shoots through it.
   Localization locate(const Scan& raw, double time, const std::optional<Pose>& T_odom_sensor, Effort effort,
                       ScanResult& result) {
-    Localization found = timed(result.times.locate, [&] {
-      return localizer_.propose(map_, raw, time, T_odom_sensor, effort);
-    });
+    Localization found = timed(result.times.locate,
+                               [&] { return localizer_.propose(map_, raw, time, T_odom_sensor, effort); });
     if (!found.is_contested) return found;
     const Scan scan = undistorted(raw, found.T_begin_end);
     for (Hypothesis& place : found.hypotheses) {
@@ -110,7 +117,8 @@ class MapMaintainer::Loop {
       place.contradicting = contradicting_fraction(trace_rays(bundles, result), bundles);
     }
     localizer_.choose(found);
-    result.contradicting_fraction = found.hypotheses.empty() ? 0 : found.hypotheses[best_of(found.hypotheses)].contradicting;
+    result.contradicting_fraction =
+        found.hypotheses.empty() ? 0 : found.hypotheses[best_of(found.hypotheses)].contradicting;
     return found;
   }
 
@@ -158,10 +166,9 @@ class MapMaintainer::Loop {
   void write(const Scan& scan, const Pose& T_map_sensor, ScanResult& result,
              void (Loop::*change)(const BundleGrid&, ScanResult&)) {
     result.T_map_sensor = T_map_sensor;
-    const BundleGrid bundles = timed(result.times.condense, [&] {
-      return condense(scan, T_map_sensor, map_.grid(), parameters_.lidar);
-    });
-    result.points = PointCounts(scan, bundles);
+    const BundleGrid bundles = timed(
+        result.times.condense, [&] { return condense(scan, T_map_sensor, map_.grid(), parameters_.lidar); });
+    result.points = count_points(scan, bundles);
     if (bundles.bundles().empty()) result.reject_reason = RejectReason::kNoUsablePoint;
     if (result.reject_reason == RejectReason::kNone) (this->*change)(bundles, result);
     result.is_written = result.reject_reason == RejectReason::kNone;
@@ -219,7 +226,9 @@ class MapMaintainer::Loop {
   template <class Change>
   void apply_changes(ScanResult& result, Change&& change) {
     const std::lock_guard lock(changing_);
-    result.changes = timed(result.times.apply, change);
+    const LeafChanges changes = timed(result.times.apply, change);
+    result.leaves_occupied += changes.occupied;
+    result.leaves_erased += changes.erased;
   }
 
   std::size_t roll_back() {

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
 #include <memory>
 #include <optional>
 
 #include <evermap/maintenance/parameters.hpp>
 #include <evermap/maintenance/scan_result.hpp>
 #include <evermap/map/octree.hpp>
+#include <evermap/scan/scan.hpp>
 
 namespace evermap {
 

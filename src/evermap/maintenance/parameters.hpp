@@ -2,10 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
-
-#include <evermap/localization/localizer.hpp>
-#include <evermap/scan/ray_bundle.hpp>
+#include <evermap/localization/parameters.hpp>
+#include <evermap/scan/lidar_parameters.hpp>
 #include <evermap/update/parameters.hpp>
 
 namespace evermap {

@@ -4,47 +4,57 @@
 
 #include <cstddef>
 
-#include <evermap/localization/localizer.hpp>
-#include <evermap/update/map_updater.hpp>
+#include <Eigen/Core>
+
+#include <evermap/geometry/pose.hpp>
+#include <evermap/localization/reject_reason.hpp>
+#include <evermap/localization/tracking_state.hpp>
 
 namespace evermap {
 
-/// What became of a scan's points.
-struct PointCounts {
-  std::size_t total = 0;
-  std::size_t used = 0;
-  std::size_t not_finite = 0;
-  std::size_t at_origin = 0;    ///< of zero range
-  std::size_t near = 0;         ///< below min_range
-  std::size_t far = 0;          ///< above max_range
-  std::size_t out_of_grid = 0;  ///< beyond the range of keys
-
-  PointCounts() = default;
-  PointCounts(const Scan& scan, const BundleGrid& bundles);
-  PointCounts& operator+=(const PointCounts& other);
-};
-
-/// How long each stage of a scan took, by the clock on the wall.
-struct StageTimes {
-  double locate = 0;    ///< [s] deskewing, registration and gate
-  double condense = 0;  ///< [s] points to ray bundles
-  double trace = 0;     ///< [s] rays through the map
-  double apply = 0;     ///< [s] the map changed
-};
-
 /// What MapMaintainer made of a scan.
 struct ScanResult {
-  Pose T_map_sensor;                                 ///< where the scan ended; believed when is_believed()
-  TrackingState state = TrackingState::kTracking;    ///< after this scan
-  RejectReason reject_reason = RejectReason::kNone;  ///< why it is not believed, or not written
-  Registration registration;            ///< fit and covariance; as it was made when the pose was given
-  double contradicting_fraction = 0;    ///< of the scan's rays; 0 when they were not traced
-  bool is_written = false;              ///< whether the map has it
-  LeafChanges changes;
-  PointCounts points;
-  std::size_t rolled_back = 0;          ///< earlier scans whose changes this one undid: the robot is lost
-  StageTimes times;
+  /// What became of the scan's points.
+  struct PointCounts {
+    std::size_t total = 0;
+    std::size_t used = 0;
+    std::size_t not_finite = 0;
+    std::size_t at_origin = 0;    ///< of zero range
+    std::size_t near = 0;         ///< below min_range
+    std::size_t far = 0;          ///< above max_range
+    std::size_t out_of_grid = 0;  ///< beyond the range of keys
 
+    PointCounts& operator+=(const PointCounts& other);
+  };
+  /// How long each stage took, by the clock on the wall.
+  struct Times {
+    double locate = 0;    ///< [s] deskewing, registration and gate
+    double condense = 0;  ///< [s] points to ray bundles
+    double trace = 0;     ///< [s] rays through the map
+    double apply = 0;     ///< [s] the map changed
+  };
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+  Pose T_map_sensor;                                 ///< where the scan ended; see is_believed()
+  TrackingState state = TrackingState::kTracking;    ///< after this scan
+  RejectReason reject_reason = RejectReason::kNone;  ///< why the scan is not believed, or not written
+
+  // Of a pose that was found:
+  Matrix6 covariance = Matrix6::Zero();  ///< [m, rad] of (translation, rotation about the sensor) in the
+                                         ///< map's axes; zero in directions that nothing tells
+  int unobservable = 0;               ///< directions that nothing tells, in [0, 6]
+  double inlier_fraction = 0;         ///< of the scan's bundles that have a leaf
+  double residual = 0;                ///< mean squared Mahalanobis distance of these
+  double contradicting_fraction = 0;  ///< of the scan's rays; 0 when they were not traced
+
+  bool is_written = false;          ///< whether the map has the scan
+  std::size_t leaves_occupied = 0;  ///< leaves that became occupied
+  std::size_t leaves_erased = 0;    ///< occupied leaves that went
+  std::size_t rolled_back = 0;      ///< earlier scans whose changes were undone, since the robot is lost
+  PointCounts points;
+  Times times;
+
+  /// Nothing else is to be used as the robot's pose.
   bool is_believed() const {
     return reject_reason == RejectReason::kNone && state == TrackingState::kTracking;
   }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <evermap/geometry/neighbourhood.hpp>
+#include <evermap/geometry/detail/neighbourhood.hpp>
 #include <evermap/map/map_difference.hpp>
 
 namespace evermap {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
-#include <evermap/geometry/for_each_index.hpp>
+#include <evermap/geometry/detail/for_each_index.hpp>
 #include <evermap/map/octree.hpp>
 
 namespace evermap {

@@ -14,23 +14,10 @@
 #include <Eigen/Geometry>
 
 #include <evermap/geometry/voxel_key.hpp>
+#include <evermap/map/detail/brick.hpp>
 #include <evermap/map/leaf.hpp>
-#include <evermap/map/wide_node.hpp>
 
 namespace evermap {
-
-using Brick = WideNode<Leaf>;
-
-/// A brick and where it is.
-struct PlacedBrick {
-  const Brick* brick;
-  VoxelKey first;          ///< key of its lowest voxel
-  Eigen::Vector3i corner;  ///< its lowest voxel
-
-  VoxelKey key(int voxel_in_brick) const {
-    return VoxelKey(first.bits() | static_cast<std::uint64_t>(voxel_in_brick));
-  }
-};
 
 /// Sparse voxel octree of surface leaves; empty space takes no memory.
 ///
@@ -137,36 +124,6 @@ class Octree {
   std::unordered_map<std::uint64_t, Block, BlockHash> blocks_;
   std::size_t leaf_count_ = 0;
   std::shared_ptr<const int> copies_ = std::make_shared<int>(0);  ///< shared by all copies, to count them
-};
-
-/// Finds leaves one after the other, and fast where they follow one another in a brick or a block. Becomes
-/// invalid when a leaf is inserted or erased. `Map` is Octree or const Octree. Not thread safe: one for each
-/// task.
-template <class Map>
-class LeafFinder {
- public:
-  explicit LeafFinder(Map& map) : map_(map) {}
-
-  auto find(VoxelKey key) {
-    if (key.block() != block_at_) {
-      block_at_ = key.block();
-      block_ = map_.find_block(block_at_);
-    }
-    if (key.brick() != brick_at_) {
-      brick_at_ = key.brick();
-      brick_ = block_ ? block_->find(key.brick_in_block()) : nullptr;
-    }
-    return brick_ ? brick_->find(key.voxel_in_brick()) : nullptr;
-  }
-
- private:
-  static constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
-
-  Map& map_;
-  std::uint64_t block_at_ = kNowhere;
-  std::uint64_t brick_at_ = kNowhere;
-  decltype(std::declval<Map&>().find_block(0)) block_ = nullptr;
-  decltype(std::declval<Map&>().find_brick(VoxelKey())) brick_ = nullptr;
 };
 
 template <class Items, class KeyOf>

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numeric>
 
-#include <evermap/geometry/for_each_index.hpp>
-#include <evermap/map/ray_fan.hpp>
+#include <evermap/geometry/detail/for_each_index.hpp>
+#include <evermap/map/detail/ray_fan.hpp>
 
 namespace evermap {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include <evermap/geometry/ray.hpp>
+#include <evermap/map/detail/voxel_walk.hpp>
 #include <evermap/map/octree.hpp>
-#include <evermap/map/voxel_walk.hpp>
 
 namespace evermap {
 

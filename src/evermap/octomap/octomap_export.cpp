@@ -7,8 +7,8 @@
 
 #include <octomap/OcTree.h>
 
-#include <evermap/io/atomic_file.hpp>
 #include <evermap/files/file_error.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
 #include <evermap/octomap/octomap_export.hpp>
 
 namespace evermap {
@@ -25,8 +25,8 @@ octomap::OcTree octomap_of(const Octree& octree, const std::filesystem::path& pa
     octomap::OcTreeKey octomap_key;
     if (!tree.coordToKeyChecked(center.x(), center.y(), center.z(), octomap_key)) {
       throw FileError(path, "the map reaches further from its frame's origin than the " +
-                              std::to_string(32768 * octree.grid().edge) +
-                              " m of an OctoMap of this resolution; export it as .pcd or .ply");
+                                std::to_string(32768 * octree.grid().edge) +
+                                " m of an OctoMap of this resolution; export it as .pcd or .ply");
     }
     tree.setNodeValue(octomap_key, leaf.log_odds, true);
   });

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
-#include <evermap/scan/deskew.hpp>
+#include <evermap/scan/detail/deskew.hpp>
 
 namespace evermap {
 

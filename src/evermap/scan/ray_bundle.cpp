@@ -7,8 +7,8 @@
 #include <span>
 #include <utility>
 
-#include <evermap/geometry/for_each_index.hpp>
-#include <evermap/scan/ray_bundle.hpp>
+#include <evermap/geometry/detail/for_each_index.hpp>
+#include <evermap/scan/detail/ray_bundle.hpp>
 
 namespace evermap {
 namespace {

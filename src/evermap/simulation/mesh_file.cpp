@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include <evermap/files/ply_reader.hpp>
+#include <evermap/files/detail/ply_reader.hpp>
 #include <evermap/simulation/mesh_file.hpp>
 
 namespace evermap {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include <evermap/files/yaml_value.hpp>
+#include <evermap/files/detail/yaml_value.hpp>
 #include <evermap/simulation/scenario.hpp>
 
 namespace evermap {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include <evermap/files/input_file.hpp>
-#include <evermap/files/yaml_value.hpp>
+#include <evermap/files/detail/input_file.hpp>
+#include <evermap/files/detail/yaml_value.hpp>
 #include <evermap/simulation/object_reader.hpp>
 #include <evermap/simulation/scenario.hpp>
 #include <evermap/simulation/shipped.hpp>

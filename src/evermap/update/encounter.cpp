@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <evermap/geometry/for_each_index.hpp>
-#include <evermap/update/encounter.hpp>
+#include <evermap/geometry/detail/for_each_index.hpp>
+#include <evermap/update/detail/encounter.hpp>
 
 namespace evermap {
 namespace {
@@ -53,11 +53,12 @@ std::vector<RayFan::Target> looked_at(const BundleGrid& bundles) {
   return targets;
 }
 
-std::vector<Encounter> find_encounters(const BundleGrid& bundles, const RayFan& fan, std::span<const PlacedBrick> bricks,
-                          const UpdateParameters& parameters) {
+std::vector<Encounter> find_encounters(const BundleGrid& bundles, const RayFan& fan,
+                                       std::span<const PlacedBrick> bricks,
+                                       const UpdateParameters& parameters) {
   std::vector<Encounter> encounters;
   if (bricks.empty()) return encounters;
-    Unhit unhit(bundles, bricks.front().first);
+  Unhit unhit(bundles, bricks.front().first);
   for (const PlacedBrick& brick : bricks) {
     fan.for_each_met(brick, parameters.trim_leaves ? brick.brick->mask() : unhit.of(brick),
                      [&](std::uint32_t index, const RayFan::Target& target, VoxelKey key, const Leaf& leaf) {

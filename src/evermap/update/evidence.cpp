@@ -6,11 +6,11 @@
 
 #include <Eigen/LU>
 
-#include <evermap/geometry/for_each_index.hpp>
-#include <evermap/geometry/neighbourhood.hpp>
-#include <evermap/update/evidence.hpp>
-#include <evermap/update/impact.hpp>
-#include <evermap/update/encounter.hpp>
+#include <evermap/geometry/detail/for_each_index.hpp>
+#include <evermap/geometry/detail/neighbourhood.hpp>
+#include <evermap/update/detail/encounter.hpp>
+#include <evermap/update/detail/evidence.hpp>
+#include <evermap/update/detail/impact.hpp>
 
 namespace evermap {
 namespace {
@@ -25,8 +25,8 @@ std::vector<Contradiction> gather(const Octree& octree, const BundleGrid& bundle
   for (const Encounter& encounter : find_encounters(bundles, fan, bricks, parameters)) {
     const RayBundle& bundle = bundles.bundles()[encounter.bundle];
     const Ray ray{bundles.origin_map, encounter.target.end_map};
-    const double value = impact(octree.gaussian(encounter.key, *encounter.leaf), ray, bundle.points.covariance,
-                                encounter.target.until, error, parameters);
+    const double value = impact(octree.gaussian(encounter.key, *encounter.leaf), ray,
+                                bundle.points.covariance, encounter.target.until, error, parameters);
     if (value <= 0 || encounter.key == bundle.key) continue;
     found.push_back({encounter.key, encounter.bundle, static_cast<float>(value)});
   }
@@ -126,7 +126,8 @@ double contradicting_fraction(const Evidence& evidence, const BundleGrid& bundle
 }
 
 Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters) {
-  const bool is_asked = parameters.hit_margin > 0 || parameters.surface_crossing || parameters.spare_reobserved;
+  const bool is_asked =
+      parameters.hit_margin > 0 || parameters.surface_crossing || parameters.spare_reobserved;
   const double error = is_asked ? alignment_error(octree, bundles) : 0;
   Evidence evidence{find_contradictions(octree, bundles, error, parameters), {}};
   const auto& all = evidence.contradictions;

@@ -5,8 +5,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include <evermap/update/impact.hpp>
-#include <evermap/update/paper_impact.hpp>
+#include <evermap/update/detail/impact.hpp>
+#include <evermap/update/detail/paper_impact.hpp>
 
 namespace evermap {
 
@@ -47,7 +47,8 @@ bool crosses(const Plane& plane, const Eigen::Vector3d& on_plane, const Ray& ray
              const UpdateParameters& parameters) {
   const double origin_side = plane.normal.dot(ray.origin - on_plane);
   const double end_side = plane.normal.dot(ray.end - on_plane);
-  return origin_side * end_side < 0 && std::abs(end_side) > 3 * plane.sigma + parameters.surface_tolerance * error;
+  return origin_side * end_side < 0 &&
+         std::abs(end_side) > 3 * plane.sigma + parameters.surface_tolerance * error;
 }
 
 double default_impact(const Gaussian& leaf, const Ray& ray, double free_fraction, double error,

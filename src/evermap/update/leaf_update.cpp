@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <evermap/update/leaf_update.hpp>
+#include <evermap/update/detail/leaf_update.hpp>
 
 namespace evermap {
 namespace {
@@ -16,7 +16,8 @@ double first_hit(const UpdateParameters& parameters) {
 /// Log-odds after one more hit: full steps to what a few scans can tell, small ones beyond.
 double raised(double log_odds, const UpdateParameters& parameters) {
   if (log_odds < parameters.max_log_odds) return std::min(log_odds + parameters.hit, parameters.max_log_odds);
-  return std::min(log_odds + parameters.long_term_hit, std::max(parameters.long_term_max_log_odds, parameters.max_log_odds));
+  return std::min(log_odds + parameters.long_term_hit,
+                  std::max(parameters.long_term_max_log_odds, parameters.max_log_odds));
 }
 
 }  // namespace

@@ -5,10 +5,11 @@
 #include <span>
 #include <vector>
 
-#include <evermap/geometry/for_each_index.hpp>
-#include <evermap/update/leaf_update.hpp>
-#include <evermap/update/map_updater.hpp>
-#include <evermap/update/paper_impact.hpp>
+#include <evermap/geometry/detail/for_each_index.hpp>
+#include <evermap/map/detail/leaf_finder.hpp>
+#include <evermap/update/detail/leaf_update.hpp>
+#include <evermap/update/detail/map_updater.hpp>
+#include <evermap/update/detail/paper_impact.hpp>
 
 namespace evermap {
 namespace {
@@ -32,7 +33,7 @@ void trim(Leaf& leaf, const Eigen::Vector3d& center_map, double thickness,
 /// Subtractive: every contradicted leaf has one owner; what is to go is erased afterwards, since that moves
 /// leaves. Returns how many occupied leaves went.
 std::size_t contradict_leaves(Octree& octree, const BundleGrid& bundles, const Evidence& evidence,
-                       const UpdateParameters& parameters) {
+                              const UpdateParameters& parameters) {
   enum class Fate : char { kStays, kPendingGoes, kOccupiedGoes };
   const double thickness = least_thickness(bundles.range_sigma, octree.grid());
   std::vector<Fate> fates(evidence.leaves.size(), Fate::kStays);
@@ -58,7 +59,7 @@ std::size_t contradict_leaves(Octree& octree, const BundleGrid& bundles, const E
 /// Additive: leaves that exist are confirmed in parallel; new ones are made one by one, since that moves
 /// leaves. Returns how many became occupied.
 std::size_t confirm_leaves(Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters,
-                    double view_weight) {
+                           double view_weight) {
   const auto& all = bundles.bundles();
   enum class Hit : char { kNew, kConfirms, kMakesOccupied };
   std::vector<Hit> hits(all.size(), Hit::kNew);

@@ -8,7 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-#include <evermap/update/paper_impact.hpp>
+#include <evermap/update/detail/paper_impact.hpp>
 
 namespace evermap {
 

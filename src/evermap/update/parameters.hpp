@@ -2,38 +2,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <evermap/update/detail/rules.hpp>
+
 namespace evermap {
-
-/// How a ray's contradiction of a leaf is measured.
-enum class ImpactRule {
-  kClosestApproach,   ///< likelihood of the leaf's Gaussian where the mean ray comes closest to it
-  kEquation5Inverse,  ///< the paper's equation 5, its third case falling with distance (the text's reading)
-  kEquation5Printed,  ///< the paper's equation 5, its third case as printed, clamped to 1
-};
-
-/// How the impacts of all bundles of one scan become one occupancy step.
-enum class Combination { kMaximum, kNoisyOr };
 
 /// All that governs an update. The defaults are the default mode; `paper()` is the paper's.
 struct UpdateParameters {
   ImpactRule impact = ImpactRule::kClosestApproach;
   Combination combination = Combination::kNoisyOr;
-  bool spare_reobserved = true;     ///< a leaf is spared when the scan shows its surface in a neighbouring voxel
-  bool surface_crossing = true;     ///< a flat leaf is contradicted only by a ray that ends beyond its plane
-  bool trim_leaves = false;         ///< rays take from a leaf's geometry, too: the paper's equation 6
-  double least_impact = 0.1;        ///< in [0, 1]; smaller impacts are ignored
-  double hit_margin = 100;          ///< [alignment errors] before its hit, a ray contradicts no leaf without
-                                    ///< a plane
-  double surface_tolerance = 9;     ///< [alignment errors] by which a surface may seem displaced
+  bool spare_reobserved = true;  ///< a leaf is spared when the scan shows its surface in a neighbouring voxel
+  bool surface_crossing = true;  ///< a flat leaf is contradicted only by a ray that ends beyond its plane
+  bool trim_leaves = false;      ///< rays take from a leaf's geometry, too: the paper's equation 6
+  double least_impact = 0.1;     ///< in [0, 1]; smaller impacts are ignored
+  double hit_margin = 100;       ///< [alignment errors] before its hit, a ray contradicts no leaf without
+                                 ///< a plane
+  double surface_tolerance = 9;  ///< [alignment errors] by which a surface may seem displaced
 
-  double hit = 2.197;                   ///< [log-odds] gained by one hit, logit(0.9)
-  double miss = 1.386;                  ///< [log-odds] lost by one full contradiction, -logit(0.2)
-  double max_log_odds = 3;              ///< of a survey or of few hits: three full contradictions delete a leaf
-  double long_term_hit = 1;             ///< [log-odds] gained by each further hit, up to
-  double long_term_max_log_odds = 9;    ///< what only many scans can tell
-  int confirmations = 3;                ///< [scans] that must hit a new leaf before it is occupied
-  double max_count = 1000;              ///< [points] that a leaf remembers: older surface is forgotten
-  double forgetting = 0.5;              ///< fraction of these that one full contradiction takes
+  double hit = 2.197;                 ///< [log-odds] gained by one hit, logit(0.9)
+  double miss = 1.386;                ///< [log-odds] lost by one full contradiction, -logit(0.2)
+  double max_log_odds = 3;            ///< of a survey or of few hits: three full contradictions delete a leaf
+  double long_term_hit = 1;           ///< [log-odds] gained by each further hit, up to
+  double long_term_max_log_odds = 9;  ///< what only many scans can tell
+  int confirmations = 3;              ///< [scans] that must hit a new leaf before it is occupied
+  double max_count = 1000;            ///< [points] that a leaf remembers: older surface is forgotten
+  double forgetting = 0.5;            ///< fraction of these that one full contradiction takes
 
   double standstill = 0.1;  ///< [m] a sensor that moved less sees the same again (Viewpoint); 0: never
 

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <utility>
 
-#include <evermap/update/rollback.hpp>
+#include <evermap/map/detail/leaf_finder.hpp>
+#include <evermap/update/detail/rollback.hpp>
 
 namespace evermap {
 

@@ -4,7 +4,7 @@
 #include <evermap/evaluation/octomap_baseline.hpp>
 #include <evermap/io/map_file.hpp>
 #include <evermap/simulation/simulator.hpp>
-#include <evermap/update/map_updater.hpp>
+#include <evermap/update/detail/map_updater.hpp>
 
 int main(int argc, char** argv) {
   if (argc != 2) return 2;

@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <evermap/geometry/pose.hpp>
+#include <evermap/localization/detail/factor.hpp>
+#include <evermap/localization/detail/observability.hpp>
+#include <evermap/localization/detail/termination.hpp>
+#include <evermap/localization/reject_reason.hpp>
+#include <evermap/map/octree.hpp>
+#include <evermap/scan/detail/ray_bundle.hpp>
+
+namespace evermap {
+
+struct RegistrationParameters {
+  Termination termination;
+  std::size_t first_bundles = 1000;    ///< that find the pose, evenly over the scan; then all refine it
+  std::size_t least_matches = 50;      ///< bundles on the map, below which a pose is a guess
+  double first_kernel_width = 6;       ///< Mahalanobis distance; wide at first, so that far leaves may pull,
+  double last_kernel_width = 2;        ///< then halved from step to step down to this one
+  double damping = 1e-6;               ///< share of the Hessian's diagonal
+  double least_inlier_fraction = 0.3;  ///< of the bundles that have a leaf
+  AccuracyLimits accuracy;
+};
+
+/// Where a scan lies on the map.
+struct Registration {
+  Pose T_map_sensor;
+  RejectReason reject_reason = RejectReason::kTooFewBundles;  ///< kNone when it converged
+  Observability observability;
+  double inlier_fraction = 0;   ///< of the bundles that have a leaf: within the 95 % ellipsoid
+  double matched_fraction = 1;  ///< of all bundles: have a leaf
+  double residual = 0;          ///< mean squared Mahalanobis distance of the inliers
+  int iterations = 0;
+
+  /// Fraction of all bundles that the map explains at this pose.
+  double explained() const { return inlier_fraction * matched_fraction; }
+  /// Whether it is a pose at all: in the observable directions at least.
+  bool is_usable() const { return converged() || reject_reason == RejectReason::kUnobservable; }
+  bool converged() const { return reject_reason == RejectReason::kNone; }
+};
+
+/// The bundles of a scan in its own frame, for registration; iterating then only transforms them. However
+/// fine the map, they are at least 0.4 m wide: of smaller ones, most hold too few points to tell a plane.
+/// Of more than `max_bundles`, as many are made, evenly spread.
+std::vector<Gaussian> bundles_in_sensor_frame(
+    const Scan& scan, double edge, const LidarParameters& lidar,
+    std::size_t max_bundles = std::numeric_limits<std::size_t>::max());
+
+/// Registers bundles [sensor frame] to the leaves of the map, distribution to distribution, from a pose that
+/// is off by no more than about a leaf's edge (coarse_to_fine reaches further).
+///
+/// Minimizes the sum of w e' M e over the bundles, e = mu_V - T mu_R, M = (S_V + R S_R R')^-1 as far as
+/// Factor counts it, with w the square root of the bundle's points times the leaf's occupancy times the
+/// robust kernel. A few bundles come to rest first, matched anew only when the pose has moved by some
+/// millimetres since they were; then all are matched, once, and refine the pose. Reads the map only; runs in
+/// parallel in the caller's TBB arena, with the same result for any number of threads.
+Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
+                              const Pose& T_map_sensor_guess, const RegistrationParameters& parameters);
+
+/// As register_bundles, from poses that may be off by metres: registers to coarser and coarser views of the
+/// map's leaves around the sensor, the coarsest first. For several guesses about one scan. REQUIRES: the map
+/// outlives it.
+class CoarseToFine {
+ public:
+  /// `coarsest`: [m] edge of the widest leaves of any view.
+  CoarseToFine(const Octree& map, const Scan& scan, const Eigen::Vector3d& center_map,
+               const LidarParameters& lidar, const RegistrationParameters& parameters,
+               double coarsest = std::numeric_limits<double>::infinity());
+
+  /// `coarsest`: [m] edge of the widest leaves that are used: none, and it is register_bundles. Directions
+  /// that only wide leaves hold are taken from these. Thread safe.
+  Registration from(const Pose& T_map_sensor_guess,
+                    double coarsest = std::numeric_limits<double>::infinity()) const;
+
+ private:
+  const Octree& map_;
+  RegistrationParameters parameters_;
+  std::vector<Octree> views_;
+  std::vector<Gaussian> fine_;
+  std::vector<std::vector<Gaussian>> coarse_;  ///< one a view
+};
+
+/// As CoarseToFine, for one guess.
+Registration register_coarse_to_fine(const Octree& map, const Scan& scan, const Pose& T_map_sensor_guess,
+                                     const LidarParameters& lidar, const RegistrationParameters& parameters);
+
+}  // namespace evermap

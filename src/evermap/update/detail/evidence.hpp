@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <evermap/map/octree.hpp>
+#include <evermap/scan/detail/ray_bundle.hpp>
+#include <evermap/update/parameters.hpp>
+
+namespace evermap {
+
+/// One bundle's ray passes through a leaf and contradicts it.
+struct Contradiction {
+  VoxelKey leaf;
+  std::uint32_t bundle;  ///< index into BundleGrid::bundles()
+  float impact;          ///< in (0, 1]
+};
+
+/// All that one scan says against one leaf.
+struct LeafEvidence {
+  VoxelKey leaf;
+  double impact;        ///< in [0, 1] of all its contradictions together; 0 when the leaf is spared
+  std::uint32_t begin;  ///< its contradictions: a range of Evidence::contradictions
+  std::uint32_t end;
+};
+
+/// What a scan says against the map. Leaves ascend by key; a leaf's contradictions follow the order of
+/// bundles.
+struct Evidence {
+  std::vector<Contradiction> contradictions;
+  std::vector<LeafEvidence> leaves;
+};
+
+/// Fraction of a scan's bundles that contradict leaves; spared leaves do not count.
+double contradicting_fraction(const Evidence& evidence, const BundleGrid& bundles);
+
+/// How far the scan is off the map [m]: robust standard deviation of the distances from the scan's bundles to
+/// the planes of flat leaves that they hit. It is measured, not assumed, so that one rule serves exact poses
+/// and poor ones.
+double alignment_error(const Octree& octree, const BundleGrid& bundles);
+
+/// Sends every bundle's ray through the map and gathers, leaf by leaf, what it contradicts. Reads the map and
+/// writes nothing; runs in parallel in the caller's TBB arena, with the same result for any number of
+/// threads.
+Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters);
+
+}  // namespace evermap
