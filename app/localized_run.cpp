@@ -3,8 +3,11 @@
 #include "localized_run.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <fstream>
 #include <optional>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -40,11 +43,13 @@ class Schedule {
 };
 
 void record(LocalizedRun& run, double time, const ScanResult& result) {
-  spdlog::debug("scan {}: {} {}, {:.0f} % inliers, residual {:.2f}, observability {:.2f}, {} iterations",
-                run.trajectory.size(), to_string(result.state), to_string(result.reject_reason),
-                100 * result.registration.inlier_fraction, result.registration.residual,
-                result.registration.observability.worst, result.registration.iterations);
-  run.trajectory.push_back({time, result.T_map_sensor});
+  spdlog::debug("scan {}: {} {}, {:.0f} % inliers, {:.0f} % contradict, residual {:.2f}, weakest {} {:.1f} limits",
+                run.scans.size(), to_string(result.state), to_string(result.reject_reason),
+                100 * result.registration.inlier_fraction, 100 * result.contradicting_fraction,
+                result.registration.residual, to_string(result.registration.observability),
+                result.registration.observability.worst);
+  run.scans.emplace_back(time, result);
+  if (result.reject_reason == RejectReason::kNone) run.trajectory.push_back({time, result.T_map_sensor});
   ++run.states[static_cast<std::size_t>(result.state)];
   if (result.reject_reason != RejectReason::kNone) ++run.rejections[result.reject_reason];
   run.rolled_back += result.rolled_back;
@@ -68,7 +73,7 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
   LocalizedRun result;
   result.run = run_over(scans.size(), options.threads, [&](const TakeScan& take) {
     const Scan scan = scans.next().value();
-    const std::size_t index = result.trajectory.size();
+    const std::size_t index = result.scans.size();
     const double time = schedule.time(index);
     record(result, time,
            take([&] { return maintainer.process(scan, time, schedule.T_odom_sensor(index)); }));
@@ -79,6 +84,27 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
         "no scan could be tracked with this odometry; is it of the LiDAR itself, its x axis ahead?");
   }
   return result;
+}
+
+void write_states(const std::filesystem::path& path, const LocalizedRun& run) {
+  std::string text =
+      "time,state,reason,written,matched,inliers,contradicting,unobservable,x,y,z,qx,qy,qz,qw,sigma_x,sigma_y,sigma_z,"
+      "sigma_roll,sigma_pitch,sigma_yaw\n";
+  for (const auto& [time, scan] : run.scans) {
+    const Registration& r = scan.registration;
+    const Eigen::Vector3d& t = scan.T_map_sensor.translation;
+    const Eigen::Quaterniond q(scan.T_map_sensor.rotation);
+    text += fmt::format("{:.6f},{},{},{},{:.4f},{:.4f},{:.4f},{},{:.6f},{:.6f},{:.6f},{:.9f},{:.9f},{:.9f},{:.9f}", time,
+                        to_string(scan.state), to_string(scan.reject_reason), scan.is_written ? 1 : 0,
+                        r.matched_fraction, r.inlier_fraction, scan.contradicting_fraction,
+                        r.observability.is_complete() ? "" : to_string(r.observability), t.x(), t.y(), t.z(), q.x(),
+                        q.y(), q.z(), q.w());
+    for (int i = 0; i < 6; ++i) text += fmt::format(",{:.6f}", std::sqrt(r.observability.covariance(i, i)));
+    text += '\n';
+  }
+  std::ofstream file(path);
+  file << text;
+  if (!file.flush()) throw FileError(path, "cannot be written");
 }
 
 Json to_json(const LocalizedRun& run) {

@@ -24,7 +24,6 @@ struct RayBundle {
 struct LidarParameters {
   double min_range = 0.5;     ///< [m] nearer returns are the vehicle itself
   double max_range = 200.0;   ///< [m]
-  double scan_period = 0.1;   ///< [s] from the first return of a scan to the last
   double range_sigma = 0.02;  ///< [m] standard deviation of a return's distance
   double scan_period = 0.1;   ///< [s] from the first return of a scan to the last
 };
