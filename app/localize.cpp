@@ -56,7 +56,8 @@ void run(const Options& options) {
   Parameters parameters = parameters_of(options.parameters);
   if (options.scans.rate) parameters.lidar.scan_period = 1 / *options.scans.rate;
   parameters.rollback.scans = options.rollback.value_or(parameters.rollback.scans);
-  parameters.rollback.max_contradicting = options.max_contradicting.value_or(parameters.rollback.max_contradicting);
+  parameters.rollback.max_contradicting =
+      options.max_contradicting.value_or(parameters.rollback.max_contradicting);
   check(options);
   Octree map = load_map(options.map);
   if (map.empty()) throw std::runtime_error(options.map.string() + " has no leaves to localize in");
@@ -90,7 +91,9 @@ void add_localize(CLI::App& app) {
   verb->add_option("MAP.evm", options->map, "Map to localize in")->required();
   verb->add_option("SCANS", options->scans.scans, "Folder of .bin, .pcd or .ply files, or one of them")
       ->required();
-  verb->add_option("-o,--output", options->poses, "Poses to write (TUM), of the scans whose pose is believed")->required()->type_name("POSES.txt");
+  verb->add_option("-o,--output", options->poses, "Poses to write (TUM), of the scans whose pose is believed")
+      ->required()
+      ->type_name("POSES.txt");
   verb->add_option("--initial-pose", options->initial_pose,
                    "Pose of the first scan, within 1 m and 10 degrees: \"x y z qx qy qz qw\"")
       ->delimiter(' ')

@@ -25,8 +25,8 @@ class Schedule {
     poses_ = read_poses(options.odometry);
     if (poses_.size() == scans) return;
     throw FileError(options.odometry,
-                  fmt::format("has {} poses for the {} scans of {}; give one pose for each scan",
-                              poses_.size(), scans, options.scans.string()));
+                    fmt::format("has {} poses for the {} scans of {}; give one pose for each scan",
+                                poses_.size(), scans, options.scans.string()));
   }
   double time(std::size_t scan) const {
     const bool is_timed = !poses_.empty() && poses_[scan].time;
@@ -43,11 +43,12 @@ class Schedule {
 };
 
 void record(LocalizedRun& run, double time, const ScanResult& result) {
-  spdlog::debug("scan {}: {} {}, {:.0f} % inliers, {:.0f} % contradict, residual {:.2f}, weakest {} {:.1f} limits",
-                run.scans.size(), to_string(result.state), to_string(result.reject_reason),
-                100 * result.registration.inlier_fraction, 100 * result.contradicting_fraction,
-                result.registration.residual, to_string(result.registration.observability),
-                result.registration.observability.worst);
+  spdlog::debug(
+      "scan {}: {} {}, {:.0f} % inliers, {:.0f} % contradict, residual {:.2f}, weakest {} {:.1f} limits",
+      run.scans.size(), to_string(result.state), to_string(result.reject_reason),
+      100 * result.registration.inlier_fraction, 100 * result.contradicting_fraction,
+      result.registration.residual, to_string(result.registration.observability),
+      result.registration.observability.worst);
   run.scans.emplace_back(time, result);
   if (result.reject_reason == RejectReason::kNone) run.trajectory.push_back({time, result.T_map_sensor});
   ++run.states[static_cast<std::size_t>(result.state)];
@@ -75,8 +76,7 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
     const Scan scan = scans.next().value();
     const std::size_t index = result.scans.size();
     const double time = schedule.time(index);
-    record(result, time,
-           take([&] { return maintainer.process(scan, time, schedule.T_odom_sensor(index)); }));
+    record(result, time, take([&] { return maintainer.process(scan, time, schedule.T_odom_sensor(index)); }));
   });
   if (!options.odometry.empty() && result.count(TrackingState::kTracking) == 0) {
     throw FileError(
@@ -88,17 +88,19 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
 
 void write_states(const std::filesystem::path& path, const LocalizedRun& run) {
   std::string text =
-      "time,state,reason,written,matched,inliers,contradicting,unobservable,x,y,z,qx,qy,qz,qw,sigma_x,sigma_y,sigma_z,"
+      "time,state,reason,written,matched,inliers,contradicting,unobservable,x,y,z,qx,qy,qz,qw,sigma_x,sigma_"
+      "y,sigma_z,"
       "sigma_roll,sigma_pitch,sigma_yaw\n";
   for (const auto& [time, scan] : run.scans) {
     const Registration& r = scan.registration;
     const Eigen::Vector3d& t = scan.T_map_sensor.translation;
     const Eigen::Quaterniond q(scan.T_map_sensor.rotation);
-    text += fmt::format("{:.6f},{},{},{},{:.4f},{:.4f},{:.4f},{},{:.6f},{:.6f},{:.6f},{:.9f},{:.9f},{:.9f},{:.9f}", time,
-                        to_string(scan.state), to_string(scan.reject_reason), scan.is_written ? 1 : 0,
-                        r.matched_fraction, r.inlier_fraction, scan.contradicting_fraction,
-                        r.observability.is_complete() ? "" : to_string(r.observability), t.x(), t.y(), t.z(), q.x(),
-                        q.y(), q.z(), q.w());
+    text += fmt::format(
+        "{:.6f},{},{},{},{:.4f},{:.4f},{:.4f},{},{:.6f},{:.6f},{:.6f},{:.9f},{:.9f},{:.9f},{:.9f}", time,
+        to_string(scan.state), to_string(scan.reject_reason), scan.is_written ? 1 : 0, r.matched_fraction,
+        r.inlier_fraction, scan.contradicting_fraction,
+        r.observability.is_complete() ? "" : to_string(r.observability), t.x(), t.y(), t.z(), q.x(), q.y(),
+        q.z(), q.w());
     for (int i = 0; i < 6; ++i) text += fmt::format(",{:.6f}", std::sqrt(r.observability.covariance(i, i)));
     text += '\n';
   }

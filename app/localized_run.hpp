@@ -24,9 +24,9 @@ namespace evermap {
 struct LocalizedScans {
   std::filesystem::path scans;
   std::filesystem::path
-      odometry;      ///< one pose of the sensor for each scan, in any frame; empty when not given
+      odometry;                ///< one pose of the sensor for each scan, in any frame; empty when not given
   std::optional<double> rate;  ///< [Hz] scans per second, when not the parameters' scan_period
-  int threads = 0;   ///< 0: one per core
+  int threads = 0;             ///< 0: one per core
 };
 /// Adds --odometry and --rate.
 void add_odometry_options(CLI::App& verb, LocalizedScans& options);
@@ -34,19 +34,19 @@ void add_odometry_options(CLI::App& verb, LocalizedScans& options);
 /// What became of them.
 struct LocalizedRun {
   Run run;
-  std::vector<StampedPose> trajectory;             ///< T_map_sensor of the scans that passed, and of no others
+  std::vector<StampedPose> trajectory;  ///< T_map_sensor of the scans that passed, and of no others
   std::vector<std::pair<double, ScanResult>> scans;  ///< time [s] and result of every scan
-  std::array<std::size_t, 4> states{};             ///< scans by TrackingState
-  std::map<RejectReason, std::size_t> rejections;  ///< scans that were not believed or not written
-  std::size_t rolled_back = 0;                     ///< scans whose changes were undone
+  std::array<std::size_t, 4> states{};               ///< scans by TrackingState
+  std::map<RejectReason, std::size_t> rejections;    ///< scans that were not believed or not written
+  std::size_t rolled_back = 0;                       ///< scans whose changes were undone
 
   bool is_lost() const { return !scans.empty() && scans.back().second.state == TrackingState::kLost; }
   std::size_t count(TrackingState state) const { return states[static_cast<std::size_t>(state)]; }
 };
 
-/// Gives the maintainer scan by scan until all are done or SIGINT or SIGTERM came. Throws FileError when scans
-/// or odometry cannot be read or do not belong together. `scan_period` [s] tells the scans' times where the
-/// odometry has none.
+/// Gives the maintainer scan by scan until all are done or SIGINT or SIGTERM came. Throws FileError when
+/// scans or odometry cannot be read or do not belong together. `scan_period` [s] tells the scans' times where
+/// the odometry has none.
 LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& maintainer, double scan_period);
 
 /// A table with a row a scan: what was thought of it, and why. Throws FileError when it cannot be written.

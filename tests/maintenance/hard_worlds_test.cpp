@@ -33,7 +33,8 @@ Scene room(double x, double y, const Eigen::Vector3d& shift) {
   for (const double side : {-1.0, 1.0}) {
     box(side > 0 ? 1 : 2, {0, side * (y + out), kHeight / 2}, {2 * x + 2 * kThick, kThick, kHeight});
     box(side > 0 ? 3 : 4, {side * (x + out), 0, kHeight / 2}, {kThick, 2 * y, kHeight});
-    box(side > 0 ? 5 : 6, {0, 0, kHeight / 2 + side * (kHeight / 2 + out)}, {2 * x + 2 * kThick, 2 * y + 2 * kThick, kThick});
+    box(side > 0 ? 5 : 6, {0, 0, kHeight / 2 + side * (kHeight / 2 + out)},
+        {2 * x + 2 * kThick, 2 * y + 2 * kThick, kThick});
   }
   box(7, {-0.6 * x, y - 0.2, 0.5}, {1, 0.4, 1});
   box(8, {0.5 * x, -y + 0.2, 0.9}, {0.8, 0.4, 1.8});
@@ -49,7 +50,8 @@ struct Run {
 };
 
 Run run(MapMaintainer& maintainer, const Scene& scene, const LidarModel& lidar, std::size_t scans,
-        const std::function<Pose(double time)>& truth, const Pose& T_truth_map = {}, bool has_odometry = false) {
+        const std::function<Pose(double time)>& truth, const Pose& T_truth_map = {},
+        bool has_odometry = false) {
   const Simulator simulator(scene);
   Run result;
   for (std::size_t i = 0; i < scans; ++i) {
@@ -89,7 +91,8 @@ TEST(HardWorlds, ARoomWhoseSurveyShowsBothFacesOfItsWalls) {
       const auto truth = [&](double time) {
         return at(-0.5 + 0.5 * time + shift.x(), 0.1 + shift.y(), 1 + shift.z());
       };
-      MapMaintainer maintainer(test::survey_map(scene, edge, 0.05), {}, MapMode::kLocalization, truth(kPeriod));
+      MapMaintainer maintainer(test::survey_map(scene, edge, 0.05), {}, MapMode::kLocalization,
+                               truth(kPeriod));
       const Run inside = run(maintainer, scene, test::small_lidar(), 10, truth);
       EXPECT_GE(inside.believed, 8U) << edge << " " << shift.transpose();
       EXPECT_LT(inside.worst, 0.02) << edge << " " << shift.transpose();
@@ -124,7 +127,9 @@ TEST(HardWorlds, OdometryThatStartsAtSpeed) {
 // A vehicle that turns into a bend of 4 m at 4.5 m/s turns by 6 degrees more from one scan to the next.
 TEST(HardWorlds, ASharpTurnIsNoReasonForAlarm) {
   const Scene scene = test::yard().scene(0);
-  const auto truth = [&](double time) { return at(-12 + time, -8, 1.7, std::max(0.0, time - 1) * 64 * kDegree); };
+  const auto truth = [&](double time) {
+    return at(-12 + time, -8, 1.7, std::max(0.0, time - 1) * 64 * kDegree);
+  };
   MapMaintainer maintainer(test::survey_map(scene, 0.4), {}, MapMode::kLocalization, truth(kPeriod));
   const Run turning = run(maintainer, scene, test::small_lidar(), 20, truth);
   EXPECT_GE(turning.believed, 18U);

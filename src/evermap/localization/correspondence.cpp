@@ -10,7 +10,8 @@
 namespace evermap {
 namespace {
 
-/// How near to a face a bundle may belong beyond it although its own voxel holds a leaf; a fraction of the edge.
+/// How near to a face a bundle may belong beyond it although its own voxel holds a leaf; a fraction of the
+/// edge.
 constexpr double kNearFace = 0.2;
 
 /// A leaf that a bundle may belong to.
@@ -51,14 +52,14 @@ double thickness(const Leaf& leaf, const Eigen::Vector3d& normal) {
   return std::sqrt(std::max(0.0, normal.dot(leaf.covariance_matrix() * normal)));
 }
 
-/// Whether a surface stands so close in front of this one that the sensor sees that one's face, and never this:
-/// the far face of a wall. Surveys show both.
+/// Whether a surface stands so close in front of this one that the sensor sees that one's face, and never
+/// this: the far face of a wall. Surveys show both.
 bool is_hidden(LeafFinder<const Octree>& finder, const VoxelGrid& grid, const Leaf& leaf,
                const Eigen::Vector3d& mean_leaf, const Eigen::Vector3d& normal,
                const Eigen::Vector3d& sensor_map) {
-  constexpr int kReach = 2;              // voxels: as far as scans are drawn to the wrong face
-  constexpr double kThin = 1.0 / 8;      // of an edge: what is thicker along the normal lies across it
-  constexpr double kSeparate = 4;        // times both thicknesses: else it is one surface, noise cut in two
+  constexpr int kReach = 2;          // voxels: as far as scans are drawn to the wrong face
+  constexpr double kThin = 1.0 / 8;  // of an edge: what is thicker along the normal lies across it
+  constexpr double kSeparate = 4;    // times both thicknesses: else it is one surface, noise cut in two
   const Eigen::Vector3d towards = normal.dot(sensor_map - mean_leaf) < 0 ? -normal : normal;
   const double own = thickness(leaf, normal);
   if (own > kThin * grid.edge) return false;
@@ -97,7 +98,8 @@ std::vector<std::optional<Correspondence>> correspond(const Octree& map,
     const double mahalanobis_squared = residual.dot(information * residual);
     if (best && best->mahalanobis_squared <= mahalanobis_squared) continue;
     const double occupancy = 1 / (1 + std::exp(-static_cast<double>(leaf->log_odds)));
-    const Correspondence match{mean_leaf, information, leaf->covariance_matrix(), mahalanobis_squared, occupancy};
+    const Correspondence match{mean_leaf, information, leaf->covariance_matrix(), mahalanobis_squared,
+                               occupancy};
     const Factor factor = make_factor(match, bundle.count);
     if (is_hidden(finder, map.grid(), *leaf, mean_leaf, factor.normal, T_map_sensor.translation)) continue;
     best = match;

@@ -101,8 +101,7 @@ Factor make_factor(const Correspondence& match, double count) {
   const double next = half_sum + std::sqrt(std::max(0.0, half_sum * half_sum - product));
   // A line of points has no normal: its plane must be clearly wider than it is thick.
   constexpr double kWide = 4;  // variances
-  return {match, normal, std::max(0.0, stiffest - kWide * next),
-          std::sqrt(count) * match.occupancy};
+  return {match, normal, std::max(0.0, stiffest - kWide * next), std::sqrt(count) * match.occupancy};
 }
 
 }  // namespace evermap

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kSamePlace = 0.05;      ///< [m] poses nearer than this are one place
 constexpr double kSameHeading = 0.0087;  ///< [rad] half a degree
-constexpr double kRivalScore = 0.9;          ///< of the best score
+constexpr double kRivalScore = 0.9;      ///< of the best score
 
 }  // namespace
 
@@ -42,8 +42,9 @@ std::vector<Hypothesis> distinct(const std::vector<Registration>& found) {
 }
 
 std::size_t best_of(const std::vector<Hypothesis>& hypotheses) {
-  const auto best = std::max_element(hypotheses.begin(), hypotheses.end(),
-                                     [](const Hypothesis& a, const Hypothesis& b) { return a.score() < b.score(); });
+  const auto best =
+      std::max_element(hypotheses.begin(), hypotheses.end(),
+                       [](const Hypothesis& a, const Hypothesis& b) { return a.score() < b.score(); });
   return static_cast<std::size_t>(best - hypotheses.begin());
 }
 

@@ -29,7 +29,10 @@ std::string_view to_string(TrackingState state) {
 
 Localizer::Localizer(const Pose& T_map_sensor_initial, const LidarParameters& lidar,
                      const LocalizationParameters& parameters)
-    : lidar_(lidar), parameters_(parameters), gate_(parameters.gate), T_map_sensor_initial_(T_map_sensor_initial) {}
+    : lidar_(lidar),
+      parameters_(parameters),
+      gate_(parameters.gate),
+      T_map_sensor_initial_(T_map_sensor_initial) {}
 
 Pose Localizer::predict(double time, const std::optional<Pose>& T_odom_sensor) const {
   if (!last_) return T_map_sensor_initial_;
@@ -139,14 +142,16 @@ void Localizer::begin(const Pose& T_map_sensor, double time, const std::optional
   velocity_ = velocity;
 }
 
-Registration Localizer::register_near(const Octree& map, const Scan& scan, const Pose& T_map_sensor_guess) const {
+Registration Localizer::register_near(const Octree& map, const Scan& scan,
+                                      const Pose& T_map_sensor_guess) const {
   const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, lidar_);
   const Registration fine = register_bundles(map, bundles, T_map_sensor_guess, parameters_.registration);
   if (fine.converged()) return fine;
-  const CoarseToFine wider(map, scan, T_map_sensor_guess.translation, lidar_, parameters_.registration, kMiddle);
+  const CoarseToFine wider(map, scan, T_map_sensor_guess.translation, lidar_, parameters_.registration,
+                           kMiddle);
   const Registration found = wider.from(T_map_sensor_guess);
   const bool is_better = found.is_usable() && (!fine.is_usable() || found.observability.unobservable <
-                                                                         fine.observability.unobservable);
+                                                                        fine.observability.unobservable);
   return is_better ? found : fine;
 }
 
@@ -165,8 +170,8 @@ std::vector<Registration> Localizer::register_everywhere(const Octree& map, cons
   if (found.is_search) {
     return places(map, scan, predicted, lidar_, parameters_.registration, parameters_.relocation);
   }
-  constexpr double kTurn = 0.2;    // [rad] coarse to fine reaches half as far
-  constexpr double kStep = 0.8;    // [m] likewise
+  constexpr double kTurn = 0.2;  // [rad] coarse to fine reaches half as far
+  constexpr double kStep = 0.8;  // [m] likewise
   const CoarseToFine registration(map, scan, predicted.translation, lidar_, parameters_.registration);
   std::vector<Registration> all{found.registration};
   const auto from = [&](double forward, double yaw) {

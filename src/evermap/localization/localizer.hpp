@@ -31,7 +31,7 @@ struct LocalizationParameters {
 
 /// A registered scan, and what is to be thought of its pose.
 struct Localization {
-  Pose T_map_sensor;  ///< registered when that converged, otherwise predicted
+  Pose T_map_sensor;                               ///< registered when that converged, otherwise predicted
   TrackingState state = TrackingState::kStarting;  ///< after this scan; set by Localizer::conclude
   RejectReason reject_reason = RejectReason::kNone;
   Registration registration;
@@ -43,10 +43,10 @@ struct Localization {
   double time = 0;                     ///< [s] when the scan ended
   std::optional<Pose> T_odom_sensor;   ///< what odometry said then
   Pose T_map_sensor_predicted;
-  double slack = 1;                    ///< times the gate's distances
-  bool is_search = false;              ///< the robot was lost
-  bool motion_is_known = false;        ///< the prediction came from odometry or from a known velocity
-  bool odometry_jumps = false;         ///< and is therefore not followed
+  double slack = 1;                         ///< times the gate's distances
+  bool is_search = false;                   ///< the robot was lost
+  bool motion_is_known = false;             ///< the prediction came from odometry or from a known velocity
+  bool odometry_jumps = false;              ///< and is therefore not followed
   std::optional<Pose> T_map_sensor_before;  ///< of the scan before, anew, its motion undone, too
 
   bool passes() const { return reject_reason == RejectReason::kNone; }
@@ -65,9 +65,9 @@ enum class Effort {
 /// A scan takes three steps, so that whoever keeps the map has a word in between: `propose` registers it, at
 /// several places when one is not clearly right; `choose` takes the best of them, once their rays have been
 /// traced; `conclude` goes on from there. Predictions start from the last pose that passed the gate, never
-/// from one that did not, so that a wrong pose cannot confirm itself. Where everything looks the same, the map
-/// cannot tell that odometry slipped from one place to the next; so odometry that jumps is not followed. Not
-/// thread safe.
+/// from one that did not, so that a wrong pose cannot confirm itself. Where everything looks the same, the
+/// map cannot tell that odometry slipped from one place to the next; so odometry that jumps is not followed.
+/// Not thread safe.
 class Localizer {
  public:
   Localizer(const Pose& T_map_sensor_initial, const LidarParameters& lidar,
@@ -81,19 +81,19 @@ class Localizer {
   Pose motion(double time, const std::optional<Pose>& T_odom_sensor, double duration) const;
 
   /// Registers a scan as it came, its last points of `time` [s]. With odometry, it is to be given for each.
-  Localization propose(const Octree& map, const Scan& raw, double time, const std::optional<Pose>& T_odom_sensor,
-                       Effort effort = Effort::kUsual);
+  Localization propose(const Octree& map, const Scan& raw, double time,
+                       const std::optional<Pose>& T_odom_sensor, Effort effort = Effort::kUsual);
 
-  /// Takes the best hypothesis and judges it. REQUIRES: when they are contested, their contradicting fractions
-  /// are set.
+  /// Takes the best hypothesis and judges it. REQUIRES: when they are contested, their contradicting
+  /// fractions are set.
   void choose(Localization& found) const;
 
   /// Takes what was chosen; a caller who does not believe it has set its reject reason before. Sets its
   /// state, and its reject reason when the pose is believed but not the odometry.
   void conclude(Localization& found);
 
-  /// Takes a pose that needs no scan: where a map begins. `velocity`: [m/s, rad/s] in the sensor's frame, when
-  /// it is known.
+  /// Takes a pose that needs no scan: where a map begins. `velocity`: [m/s, rad/s] in the sensor's frame,
+  /// when it is known.
   void begin(const Pose& T_map_sensor, double time, const std::optional<Pose>& T_odom_sensor,
              const std::optional<Twist>& velocity = std::nullopt);
 
@@ -115,7 +115,8 @@ class Localizer {
   Scan undistorted(const Scan& raw, const Pose& T_begin_end) const;
   /// How the sensor moved in the period before, if it went from the last fix to here.
   Pose motion_to(const Pose& T_map_sensor, double time) const;
-  std::vector<Registration> register_everywhere(const Octree& map, const Scan& scan, const Localization& found) const;
+  std::vector<Registration> register_everywhere(const Octree& map, const Scan& scan,
+                                                const Localization& found) const;
   /// Deskews anew with the motion that was found, until both agree.
   void undistort(const Octree& map, const Scan& raw, Localization& found) const;
   /// The same where the scan before was distorted, too, by a motion that nobody knew.

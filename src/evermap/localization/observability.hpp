@@ -16,11 +16,12 @@ struct AccuracyLimits {
 
 /// What the surroundings say about a pose, and in which directions they say nothing.
 struct Observability {
-  Matrix6 covariance = Matrix6::Zero();  ///< of the twist of perturb(), within the observable directions [m, rad]
+  Matrix6 covariance =
+      Matrix6::Zero();  ///< of the twist of perturb(), within the observable directions [m, rad]
   Matrix6 directions = Matrix6::Identity();  ///< of twists, in columns, the least known first
-  int unobservable = 6;    ///< directions
-  double worst = 0;        ///< standard deviation of the weakest direction in units of its limit; 0: no information
-  bool is_rotation = false;                         ///< the weakest: about the axis through the sensor, else along it
+  int unobservable = 6;                      ///< directions
+  double worst = 0;  ///< standard deviation of the weakest direction in units of its limit; 0: no information
+  bool is_rotation = false;  ///< the weakest: about the axis through the sensor, else along it
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< of length 1, map frame
 
   bool is_complete() const { return unobservable == 0; }

@@ -103,8 +103,7 @@ struct Refinement {
 
 /// Moves by the last millimetres.
 Refinement refine(Registration& at, const Octree& map, const std::vector<Gaussian>& bundles_sensor,
-                       const Directions& directions,
-                       const RegistrationParameters& parameters) {
+                  const Directions& directions, const RegistrationParameters& parameters) {
   constexpr int kSteps = 2;  // weighed anew in each; a third gains 3 %
   const RobustKernel kernel{parameters.last_kernel_width};
   Refinement last{match(map, bundles_sensor, at.T_map_sensor), {}};
@@ -116,30 +115,31 @@ Refinement refine(Registration& at, const Octree& map, const std::vector<Gaussia
 }
 
 /// What the factors say about the pose beyond what noise feigns; judged from some of them.
-Matrix6 information(const Factors& factors, const std::vector<Gaussian>& bundles_sensor, const Pose& T_map_sensor,
-                    const RobustKernel& kernel) {
+Matrix6 information(const Factors& factors, const std::vector<Gaussian>& bundles_sensor,
+                    const Pose& T_map_sensor, const RobustKernel& kernel) {
   constexpr std::size_t kSamples = 1500;
   const std::size_t step = 1 + factors.size() / kSamples;
   std::vector<Matrix6> sums(chunks(chunks(factors.size(), step), kChunk), Matrix6::Zero());
-  for_each_chunk(chunks(factors.size(), step), kChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!factors[i * step]) continue;
-      const Gaussian bundle = transform(T_map_sensor, bundles_sensor[i * step]);
-      sums[chunk] += factors[i * step]->information(bundle, bundle.mean - T_map_sensor.translation, kernel);
-    }
-  });
+  for_each_chunk(
+      chunks(factors.size(), step), kChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          if (!factors[i * step]) continue;
+          const Gaussian bundle = transform(T_map_sensor, bundles_sensor[i * step]);
+          sums[chunk] +=
+              factors[i * step]->information(bundle, bundle.mean - T_map_sensor.translation, kernel);
+        }
+      });
   Matrix6 total = Matrix6::Zero();
   for (const Matrix6& sum : sums) total += sum;
   return static_cast<double>(step) * total;
 }
 
 RejectReason judge(const Registration& registration, std::size_t matched, bool settled,
-                          const RegistrationParameters& parameters) {
+                   const RegistrationParameters& parameters) {
   if (matched < parameters.least_matches) return RejectReason::kTooFewMatches;
   if (registration.inlier_fraction < parameters.least_inlier_fraction) return RejectReason::kTooFewInliers;
   if (!settled) return RejectReason::kNoConvergence;
-  return registration.observability.is_complete() ? RejectReason::kNone
-                                                  : RejectReason::kUnobservable;
+  return registration.observability.is_complete() ? RejectReason::kNone : RejectReason::kUnobservable;
 }
 
 }  // namespace
@@ -183,7 +183,8 @@ Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bu
 }
 
 CoarseToFine::CoarseToFine(const Octree& map, const Scan& scan, const Eigen::Vector3d& center_map,
-                           const LidarParameters& lidar, const RegistrationParameters& parameters, double coarsest)
+                           const LidarParameters& lidar, const RegistrationParameters& parameters,
+                           double coarsest)
     : map_(map), parameters_(parameters), views_(coarse_views(map, center_map, coarsest)) {
   fine_ = bundles_in_sensor_frame(scan, map.grid().edge, lidar);
   for (const Octree& view : views_) {
@@ -192,8 +193,8 @@ CoarseToFine::CoarseToFine(const Octree& map, const Scan& scan, const Eigen::Vec
 }
 
 Registration CoarseToFine::from(const Pose& T_map_sensor_guess, double coarsest) const {
-  // Where single lines of points lie on the surfaces, their planes are seen in wide leaves only: what the finer
-  // ones do not hold stays as the wider ones had it.
+  // Where single lines of points lie on the surfaces, their planes are seen in wide leaves only: what the
+  // finer ones do not hold stays as the wider ones had it.
   Registration best;
   best.T_map_sensor = T_map_sensor_guess;
   const auto go_on = [&](const Octree& view, const std::vector<Gaussian>& bundles) {

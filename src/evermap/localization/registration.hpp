@@ -19,12 +19,12 @@ namespace evermap {
 
 struct RegistrationParameters {
   Termination termination;
-  std::size_t first_bundles = 1000;   ///< that find the pose, evenly over the scan; then all refine it
-  std::size_t least_matches = 50;     ///< bundles on the map, below which a pose is a guess
-  double first_kernel_width = 6;      ///< Mahalanobis distance; wide at first, so that far leaves may pull,
-  double last_kernel_width = 2;       ///< then halved from step to step down to this one
-  double damping = 1e-6;              ///< share of the Hessian's diagonal
-  double least_inlier_fraction = 0.3;    ///< of the bundles that have a leaf
+  std::size_t first_bundles = 1000;    ///< that find the pose, evenly over the scan; then all refine it
+  std::size_t least_matches = 50;      ///< bundles on the map, below which a pose is a guess
+  double first_kernel_width = 6;       ///< Mahalanobis distance; wide at first, so that far leaves may pull,
+  double last_kernel_width = 2;        ///< then halved from step to step down to this one
+  double damping = 1e-6;               ///< share of the Hessian's diagonal
+  double least_inlier_fraction = 0.3;  ///< of the bundles that have a leaf
   AccuracyLimits accuracy;
 };
 
@@ -33,9 +33,9 @@ struct Registration {
   Pose T_map_sensor;
   RejectReason reject_reason = RejectReason::kTooFewBundles;  ///< kNone when it converged
   Observability observability;
-  double inlier_fraction = 0;               ///< of the bundles that have a leaf: within the 95 % ellipsoid
-  double matched_fraction = 1;              ///< of all bundles: have a leaf
-  double residual = 0;                   ///< mean squared Mahalanobis distance of the inliers
+  double inlier_fraction = 0;   ///< of the bundles that have a leaf: within the 95 % ellipsoid
+  double matched_fraction = 1;  ///< of all bundles: have a leaf
+  double residual = 0;          ///< mean squared Mahalanobis distance of the inliers
   int iterations = 0;
 
   /// Fraction of all bundles that the map explains at this pose.
@@ -73,8 +73,8 @@ class CoarseToFine {
                const LidarParameters& lidar, const RegistrationParameters& parameters,
                double coarsest = std::numeric_limits<double>::infinity());
 
-  /// `coarsest`: [m] edge of the widest leaves that are used: none, and it is register_bundles. Directions that
-  /// only wide leaves hold are taken from these. Thread safe.
+  /// `coarsest`: [m] edge of the widest leaves that are used: none, and it is register_bundles. Directions
+  /// that only wide leaves hold are taken from these. Thread safe.
   Registration from(const Pose& T_map_sensor_guess,
                     double coarsest = std::numeric_limits<double>::infinity()) const;
 

@@ -51,7 +51,8 @@ class MapMaintainer::Loop {
     if (found.is_writable() && mode_ != MapMode::kLocalization) write_found(raw, found, result);
     const TrackingState before = localizer_.state();
     localizer_.conclude(found);
-    if (found.state == TrackingState::kLost && before != TrackingState::kLost) result.rolled_back = roll_back();
+    if (found.state == TrackingState::kLost && before != TrackingState::kLost)
+      result.rolled_back = roll_back();
     result.T_map_sensor = found.T_map_sensor;
     result.state = found.state;
     result.reject_reason = found.reject_reason;
@@ -95,13 +96,12 @@ class MapMaintainer::Loop {
     return deskew(raw, T_begin_end, parameters_.lidar.scan_period);
   }
 
-  /// Where the scan is. Where several places come into question, the rays decide, too: a scan that is taken for
-  /// lying behind a wall shoots through it.
+  /// Where the scan is. Where several places come into question, the rays decide, too: a scan that is taken
+  /// for lying behind a wall shoots through it.
   Localization locate(const Scan& raw, double time, const std::optional<Pose>& T_odom_sensor, Effort effort,
                       ScanResult& result) {
-    Localization found = timed(result.times.locate, [&] {
-      return localizer_.propose(map_, raw, time, T_odom_sensor, effort);
-    });
+    Localization found = timed(result.times.locate,
+                               [&] { return localizer_.propose(map_, raw, time, T_odom_sensor, effort); });
     if (!found.is_contested) return found;
     const Scan scan = undistorted(raw, found.T_begin_end);
     for (Hypothesis& place : found.hypotheses) {
@@ -110,7 +110,8 @@ class MapMaintainer::Loop {
       place.contradicting = contradicting_fraction(trace_rays(bundles, result), bundles);
     }
     localizer_.choose(found);
-    result.contradicting_fraction = found.hypotheses.empty() ? 0 : found.hypotheses[best_of(found.hypotheses)].contradicting;
+    result.contradicting_fraction =
+        found.hypotheses.empty() ? 0 : found.hypotheses[best_of(found.hypotheses)].contradicting;
     return found;
   }
 
@@ -158,9 +159,8 @@ class MapMaintainer::Loop {
   void write(const Scan& scan, const Pose& T_map_sensor, ScanResult& result,
              void (Loop::*change)(const BundleGrid&, ScanResult&)) {
     result.T_map_sensor = T_map_sensor;
-    const BundleGrid bundles = timed(result.times.condense, [&] {
-      return condense(scan, T_map_sensor, map_.grid(), parameters_.lidar);
-    });
+    const BundleGrid bundles = timed(
+        result.times.condense, [&] { return condense(scan, T_map_sensor, map_.grid(), parameters_.lidar); });
     result.points = PointCounts(scan, bundles);
     if (bundles.bundles().empty()) result.reject_reason = RejectReason::kNoUsablePoint;
     if (result.reject_reason == RejectReason::kNone) (this->*change)(bundles, result);

@@ -24,21 +24,22 @@ class World {
 
   void box(double x, double y, double yaw, double length, double width, double height, double lift = 0) {
     std::ostringstream text;
-    text << "box: [" << length << ", " << width << ", " << height << "], at: [" << x << ", " << y << ", " << yaw
-         << "]";
+    text << "box: [" << length << ", " << width << ", " << height << "], at: [" << x << ", " << y << ", "
+         << yaw << "]";
     if (lift > 0) text << ", lift: " << lift;
     object(text.str());
   }
   /// As box, but it may have come, gone or moved since the survey.
   void furniture(double x, double y, double yaw, double length, double width, double height) {
     std::ostringstream text;
-    text << "box: [" << length << ", " << width << ", " << height << "], at: [" << x << ", " << y << ", " << yaw
-         << "]";
+    text << "box: [" << length << ", " << width << ", " << height << "], at: [" << x << ", " << y << ", "
+         << yaw << "]";
     if (chance(drive_.changed)) {
       const double what = uniform(0, 3);
       if (what < 1) text << ", survey: only";
       if (what >= 1 && what < 2) text << ", survey: absent";
-      if (what >= 2) text << ", survey: {at: [" << x + uniform(-0.5, 0.5) << ", " << y + uniform(-0.5, 0.5) << "]}";
+      if (what >= 2)
+        text << ", survey: {at: [" << x + uniform(-0.5, 0.5) << ", " << y + uniform(-0.5, 0.5) << "]}";
     }
     object(text.str());
   }
@@ -82,9 +83,10 @@ class World {
     const double first = drive_.starts_at_speed ? speed : 0.1 * speed;
     const double ahead = 0.5 * speed / std::hypot(x1 - x0, y1 - y0);
     text << "route: {speed: " << speed << ", turn_radius: " << radius
-         << ", start: " << (drive_.starts_at_speed ? 0.0 : 0.5) << ", end: stay, waypoints: [{at: [" << x0 << ", " << y0
-         << "], speed: " << first << "}, {at: [" << x0 + ahead * (x1 - x0) << ", " << y0 + ahead * (y1 - y0)
-         << "], speed: " << speed << "}, [" << x1 << ", " << y1 << "], [" << x2 << ", " << y2 << "]]}";
+         << ", start: " << (drive_.starts_at_speed ? 0.0 : 0.5) << ", end: stay, waypoints: [{at: [" << x0
+         << ", " << y0 << "], speed: " << first << "}, {at: [" << x0 + ahead * (x1 - x0) << ", "
+         << y0 + ahead * (y1 - y0) << "], speed: " << speed << "}, [" << x1 << ", " << y1 << "], [" << x2
+         << ", " << y2 << "]]}";
     route_ = text.str();
   }
   void sensor_height(double height) { sensor_height_ = height; }
@@ -154,8 +156,8 @@ void hall(World& w) {
   w.walls(x, y, w.uniform(4, 8), 0.3);
   for (int i = 0; i < 10; ++i) {
     const double side = i % 2 == 0 ? 1 : -1;
-    w.furniture(w.uniform(-x + 3, x - 3), side * w.uniform(0.5 * y, 0.85 * y), w.uniform(0, 90), w.uniform(1, 4),
-                w.uniform(0.8, 2), w.uniform(1, 3));
+    w.furniture(w.uniform(-x + 3, x - 3), side * w.uniform(0.5 * y, 0.85 * y), w.uniform(0, 90),
+                w.uniform(1, 4), w.uniform(0.8, 2), w.uniform(1, 3));
   }
   w.ground(x + 0.6, y + 0.6, kLevel);
   w.route(-6, -3, 0, -3, 0, 4, w.uniform(0.8, 2), w.uniform(0.6, 2));
@@ -208,16 +210,21 @@ void forest(World& w) {
   for (int i = 0; i < 90; ++i) {
     const double x = w.uniform(-40, 40), y = w.uniform(-40, 40);
     if (std::abs(y) < 3) continue;
-    if (w.chance(0.5)) w.body("tree", x, y, w.uniform(0, 360));
-    else w.post(x, y, w.uniform(5, 12), w.uniform(0.2, 0.6));
+    if (w.chance(0.5))
+      w.body("tree", x, y, w.uniform(0, 360));
+    else
+      w.post(x, y, w.uniform(5, 12), w.uniform(0.2, 0.6));
   }
-  w.ground(45, 45, "{waves: {amplitude: 0.5, length: [25, 18], phase: 0.7}}, {roughness: {amplitude: 0.05, size: 1.5, seed: 2}}");
+  w.ground(45, 45,
+           "{waves: {amplitude: 0.5, length: [25, 18], phase: 0.7}}, {roughness: {amplitude: 0.05, size: "
+           "1.5, seed: 2}}");
   w.route(-10, 0, 0, 0, 10, 0.8, w.uniform(1, 3), 3);
 }
 
 void quarry(World& w) {
   for (int i = 0; i < 10; ++i) {
-    w.furniture(w.uniform(-25, 25), (w.chance(0.5) ? 1 : -1) * w.uniform(7, 15), w.uniform(0, 180), 5, 2.5, 2.5);
+    w.furniture(w.uniform(-25, 25), (w.chance(0.5) ? 1 : -1) * w.uniform(7, 15), w.uniform(0, 180), 5, 2.5,
+                2.5);
   }
   w.ground(45, 35,
            "{terraces: {center: [0, 0], size: [64, 44], corner: 10, count: 2, height: 4, face: 2, width: 3, "
@@ -258,8 +265,8 @@ void floors(World& w) {
 
 std::string random_world(std::string_view kind, std::uint64_t seed, const RandomDrive& drive) {
   using Fill = void (*)(World&);
-  constexpr std::array<Fill, kWorldKinds.size()> kFill = {room,   corridor, tunnel, hall,   warehouse, containers,
-                                                          street, forest,   quarry, parking, floors};
+  constexpr std::array<Fill, kWorldKinds.size()> kFill = {
+      room, corridor, tunnel, hall, warehouse, containers, street, forest, quarry, parking, floors};
   World world(seed, drive);
   for (std::size_t i = 0; i < kWorldKinds.size(); ++i) {
     if (kWorldKinds[i] == kind) kFill[i](world);
