@@ -28,6 +28,7 @@ struct Options {
   std::optional<double> max_contradicting;
   bool undo_log = false;
   std::filesystem::path poses;
+  std::filesystem::path states;  ///< empty when not asked for
   std::filesystem::path map_out;
   ParameterOptions parameters;
   bool as_json = false;
@@ -43,6 +44,7 @@ Pose initial_pose_of(const Options& options) {
 
 void check(const Options& options) {
   check_writable(options.poses);
+  if (!options.states.empty()) check_writable(options.states);
   if (options.maintain == options.map_out.empty()) {
     throw std::runtime_error("--maintain and --map-out need each other");
   }
@@ -64,6 +66,7 @@ void run(const Options& options) {
                            initial_pose_of(options));
   const LocalizedRun run = localize_scans(options.scans, maintainer, parameters.lidar.scan_period);
   write_tum_poses(options.poses, run.trajectory);
+  if (!options.states.empty()) write_states(options.states, run);
   if (options.undo_log) keep_for_undo(options.map_out);
   if (options.maintain) save_map(options.map_out, maintainer.map());
   if (options.as_json) {
@@ -75,6 +78,9 @@ void run(const Options& options) {
     if (options.maintain) fmt::print("map      {}\n", options.map_out.string());
     fmt::print("poses    {}\n{}", options.poses.string(), to_text(run));
   }
+  if (run.is_lost()) {
+    throw std::runtime_error("the robot was lost at the end; try --initial-pose, or a map of this place");
+  }
 }
 
 }  // namespace
@@ -85,13 +91,17 @@ void add_localize(CLI::App& app) {
   verb->add_option("MAP.evm", options->map, "Map to localize in")->required();
   verb->add_option("SCANS", options->scans.scans, "Folder of .bin, .pcd or .ply files, or one of them")
       ->required();
-  verb->add_option("-o,--output", options->poses, "Poses to write (TUM)")->required()->type_name("POSES.txt");
+  verb->add_option("-o,--output", options->poses, "Poses to write (TUM), of the scans whose pose is believed")
+      ->required()
+      ->type_name("POSES.txt");
   verb->add_option("--initial-pose", options->initial_pose,
                    "Pose of the first scan, within 1 m and 10 degrees: \"x y z qx qy qz qw\"")
       ->delimiter(' ')
       ->expected(7)
       ->type_name("POSE")
       ->default_str("the map's origin");
+  verb->add_option("--states", options->states, "What was thought of each scan, and why, to write (CSV)")
+      ->type_name("FILE.csv");
   add_odometry_options(*verb, options->scans);
   verb->add_flag("--maintain", options->maintain, "Update the map with scans whose pose is believed");
   verb->add_option("--map-out", options->map_out,

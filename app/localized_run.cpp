@@ -3,12 +3,15 @@
 #include "localized_run.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <evermap/files/file_error.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
 #include <evermap/io/scan_source.hpp>
 
 namespace evermap {
@@ -41,9 +44,10 @@ class Schedule {
 
 void record(LocalizedRun& run, double time, const ScanResult& result) {
   spdlog::debug("scan {}: {} {}, {:.0f} % inliers, residual {:.2f}, {:.0f} % of the rays contradict the map",
-                run.trajectory.size(), to_string(result.state), to_string(result.reject_reason),
+                run.scans.size(), to_string(result.state), to_string(result.reject_reason),
                 100 * result.inlier_fraction, result.residual, 100 * result.contradicting_fraction);
-  run.trajectory.push_back({time, result.T_map_sensor});
+  run.scans.emplace_back(time, result);
+  if (result.reject_reason == RejectReason::kNone) run.trajectory.push_back({time, result.T_map_sensor});
   ++run.states[static_cast<std::size_t>(result.state)];
   if (result.reject_reason != RejectReason::kNone) ++run.rejections[result.reject_reason];
   run.rolled_back += result.rolled_back;
@@ -67,7 +71,7 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
   LocalizedRun result;
   result.run = run_over(scans.size(), options.threads, [&](const TakeScan& take) {
     const Scan scan = scans.next().value();
-    const std::size_t index = result.trajectory.size();
+    const std::size_t index = result.scans.size();
     const double time = schedule.time(index);
     record(result, time, take([&] { return maintainer.process(scan, time, schedule.T_odom_sensor(index)); }));
   });
@@ -77,6 +81,26 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
         "no scan could be tracked with this odometry; is it of the LiDAR itself, its x axis ahead?");
   }
   return result;
+}
+
+void write_states(const std::filesystem::path& path, const LocalizedRun& run) {
+  AtomicFile file(path);
+  file.write(
+      "time,state,reason,written,matched,inliers,contradicting,unobservable,x,y,z,qx,qy,qz,qw,sigma_x,sigma_y,"
+      "sigma_z,sigma_roll,sigma_pitch,sigma_yaw\n");
+  for (const auto& [time, scan] : run.scans) {
+    const Eigen::Vector3d& t = scan.T_map_sensor.translation;
+    const Eigen::Quaterniond q(scan.T_map_sensor.rotation);
+    std::string row =
+        fmt::format("{:.6f},{},{},{:d},{:.4f},{:.4f},{:.4f},\"{}\"", time, to_string(scan.state),
+                    to_string(scan.reject_reason), scan.is_written, scan.matched_fraction, scan.inlier_fraction,
+                    scan.contradicting_fraction, scan.unobservable);
+    for (const double value : {t.x(), t.y(), t.z()}) row += fmt::format(",{:.6f}", value);
+    for (const double value : {q.x(), q.y(), q.z(), q.w()}) row += fmt::format(",{:.9f}", value);
+    for (int i = 0; i < 6; ++i) row += fmt::format(",{:.6f}", std::sqrt(scan.covariance(i, i)));
+    file.write(row + "\n");
+  }
+  file.commit();
 }
 
 Json to_json(const LocalizedRun& run) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -33,11 +34,13 @@ void add_odometry_options(CLI::App& verb, LocalizedScans& options);
 /// What became of them.
 struct LocalizedRun {
   Run run;
-  std::vector<StampedPose> trajectory;             ///< T_map_sensor of every scan
-  std::array<std::size_t, 4> states{};             ///< scans by TrackingState
-  std::map<RejectReason, std::size_t> rejections;  ///< scans that were not believed or not written
-  std::size_t rolled_back = 0;                     ///< scans whose changes were undone
+  std::vector<StampedPose> trajectory;  ///< T_map_sensor of the scans that passed, and of no others
+  std::vector<std::pair<double, ScanResult>> scans;  ///< time [s] and result of every scan
+  std::array<std::size_t, 4> states{};               ///< scans by TrackingState
+  std::map<RejectReason, std::size_t> rejections;    ///< scans that were not believed or not written
+  std::size_t rolled_back = 0;                       ///< scans whose changes were undone
 
+  bool is_lost() const { return !scans.empty() && scans.back().second.state == TrackingState::kLost; }
   std::size_t count(TrackingState state) const { return states[static_cast<std::size_t>(state)]; }
 };
 
@@ -45,6 +48,9 @@ struct LocalizedRun {
 /// scans or odometry cannot be read or do not belong together. `scan_period` [s] tells the scans' times where
 /// the odometry has none.
 LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& maintainer, double scan_period);
+
+/// A table with a row a scan: what was thought of it, and why. Throws FileError when it cannot be written.
+void write_states(const std::filesystem::path& path, const LocalizedRun& run);
 
 Json to_json(const LocalizedRun& run);
 std::string to_text(const LocalizedRun& run);

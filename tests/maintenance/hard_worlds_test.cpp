@@ -41,7 +41,7 @@ Scene room(double x, double y, const Eigen::Vector3d& shift) {
   return scene;
 }
 
-struct Run {
+struct Outcome {
   std::size_t believed = 0;
   std::size_t written = 0;
   double worst = 0;       ///< [m] of what was believed
@@ -49,11 +49,11 @@ struct Run {
   TrackingState last = TrackingState::kLost;
 };
 
-Run run(MapMaintainer& maintainer, const Scene& scene, const LidarModel& lidar, std::size_t scans,
+Outcome run(MapMaintainer& maintainer, const Scene& scene, const LidarModel& lidar, std::size_t scans,
         const std::function<Pose(double time)>& truth, const Pose& T_truth_map = {},
         bool has_odometry = false) {
   const Simulator simulator(scene);
-  Run result;
+  Outcome result;
   for (std::size_t i = 0; i < scans; ++i) {
     const double time = kPeriod * static_cast<double>(i + 1);
     const Pose T_true = truth(time);
@@ -76,7 +76,7 @@ TEST(HardWorlds, AYardIsFollowedWithoutOdometry) {
     const auto truth = [&](double time) { return test::yard().T_map_sensor_at(time); };
     MapMaintainer maintainer(test::survey_map(test::yard().survey_scene(), edge), {}, MapMode::kMaintenance,
                              truth(kPeriod));
-    const Run yard = run(maintainer, test::yard().scene(0), test::small_lidar(), 30, truth);
+    const Outcome yard = run(maintainer, test::yard().scene(0), test::small_lidar(), 30, truth);
     EXPECT_GE(yard.believed, 28U) << edge;
     EXPECT_GE(yard.written, 28U) << edge;
     EXPECT_LT(yard.worst, 0.02) << edge;
@@ -93,7 +93,7 @@ TEST(HardWorlds, ARoomWhoseSurveyShowsBothFacesOfItsWalls) {
       };
       MapMaintainer maintainer(test::survey_map(scene, edge, 0.05), {}, MapMode::kLocalization,
                                truth(kPeriod));
-      const Run inside = run(maintainer, scene, test::small_lidar(), 10, truth);
+      const Outcome inside = run(maintainer, scene, test::small_lidar(), 10, truth);
       EXPECT_GE(inside.believed, 8U) << edge << " " << shift.transpose();
       EXPECT_LT(inside.worst, 0.02) << edge << " " << shift.transpose();
     }
@@ -105,7 +105,7 @@ TEST(HardWorlds, ACorridorWhoseEndsAreInSight) {
     const Scene scene = room(30, half_width, {0, 0, 0});
     const auto truth = [&](double time) { return at(-20 + 1.5 * time, 0, 1); };
     MapMaintainer maintainer(test::survey_map(scene, 0.2, 0.05), {}, MapMode::kLocalization, truth(kPeriod));
-    const Run inside = run(maintainer, scene, test::small_lidar(), 15, truth, {}, true);
+    const Outcome inside = run(maintainer, scene, test::small_lidar(), 15, truth, {}, true);
     EXPECT_GE(inside.believed, 14U) << half_width;
     EXPECT_LT(inside.worst, 0.02) << half_width;
   }
@@ -118,7 +118,7 @@ TEST(HardWorlds, OdometryThatStartsAtSpeed) {
     MapMaintainer maintainer(Octree(VoxelGrid{0.4}), {}, MapMode::kMapping);
     LidarModel lidar = test::small_lidar();
     lidar.channels = 64;
-    const Run from_nothing = run(maintainer, scene, lidar, 12, truth, truth(kPeriod));
+    const Outcome from_nothing = run(maintainer, scene, lidar, 12, truth, truth(kPeriod));
     EXPECT_GE(from_nothing.believed, 10U) << speed;
     EXPECT_LT(from_nothing.worst, 0.05) << speed;
   }
@@ -131,7 +131,7 @@ TEST(HardWorlds, ASharpTurnIsNoReasonForAlarm) {
     return at(-12 + time, -8, 1.7, std::max(0.0, time - 1) * 64 * kDegree);
   };
   MapMaintainer maintainer(test::survey_map(scene, 0.4), {}, MapMode::kLocalization, truth(kPeriod));
-  const Run turning = run(maintainer, scene, test::small_lidar(), 20, truth);
+  const Outcome turning = run(maintainer, scene, test::small_lidar(), 20, truth);
   EXPECT_GE(turning.believed, 18U);
   EXPECT_LT(turning.worst, 0.02);
   EXPECT_LT(turning.worst_turn, 0.2 * kDegree);
@@ -141,7 +141,7 @@ TEST(HardWorlds, ASharpTurnIsNoReasonForAlarm) {
 TEST(HardWorlds, AMapOfAnotherPlaceIsFoundOut) {
   MapMaintainer maintainer(test::survey_map(test::yard().survey_scene(), 0.4), {}, MapMode::kMaintenance,
                            at(0, 0, 1.7));
-  const Run elsewhere = run(maintainer, room(10, 4, {0, 0, 0}), test::small_lidar(), 6,
+  const Outcome elsewhere = run(maintainer, room(10, 4, {0, 0, 0}), test::small_lidar(), 6,
                             [](double time) { return at(0.5 * time, 0, 1); });
   EXPECT_EQ(elsewhere.believed, 0U);
   EXPECT_EQ(elsewhere.written, 0U);

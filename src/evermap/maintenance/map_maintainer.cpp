@@ -61,7 +61,10 @@ class MapMaintainer::Loop {
     result.state = found.state;
     result.reject_reason = found.reject_reason;
     result.covariance = found.registration.observability.covariance;
-    result.unobservable = found.registration.observability.unobservable;
+    result.matched_fraction = found.registration.matched_fraction;
+    if (!found.registration.observability.is_complete()) {
+      result.unobservable = to_string(found.registration.observability);
+    }
     result.inlier_fraction = found.registration.inlier_fraction;
     result.residual = found.registration.residual;
     return result;
