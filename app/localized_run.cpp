@@ -86,15 +86,14 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
 void write_states(const std::filesystem::path& path, const LocalizedRun& run) {
   AtomicFile file(path);
   file.write(
-      "time,state,reason,written,matched,inliers,contradicting,unobservable,x,y,z,qx,qy,qz,qw,sigma_x,sigma_y,"
+      "time,state,reason,written,inliers,contradicting,unobservable,x,y,z,qx,qy,qz,qw,sigma_x,sigma_y,"
       "sigma_z,sigma_roll,sigma_pitch,sigma_yaw\n");
   for (const auto& [time, scan] : run.scans) {
     const Eigen::Vector3d& t = scan.T_map_sensor.translation;
     const Eigen::Quaterniond q(scan.T_map_sensor.rotation);
-    std::string row =
-        fmt::format("{:.6f},{},{},{:d},{:.4f},{:.4f},{:.4f},\"{}\"", time, to_string(scan.state),
-                    to_string(scan.reject_reason), scan.is_written, scan.matched_fraction, scan.inlier_fraction,
-                    scan.contradicting_fraction, scan.unobservable);
+    std::string row = fmt::format("{:.6f},{},{},{:d},{:.4f},{:.4f},\"{}\"", time, to_string(scan.state),
+                                  to_string(scan.reject_reason), scan.is_written, scan.inlier_fraction,
+                                  scan.contradicting_fraction, scan.unobservable);
     for (const double value : {t.x(), t.y(), t.z()}) row += fmt::format(",{:.6f}", value);
     for (const double value : {q.x(), q.y(), q.z(), q.w()}) row += fmt::format(",{:.9f}", value);
     for (int i = 0; i < 6; ++i) row += fmt::format(",{:.6f}", std::sqrt(scan.covariance(i, i)));

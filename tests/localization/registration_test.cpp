@@ -121,9 +121,9 @@ TEST(Registration, AnyNumberOfThreadsGivesTheSameBytes) {
     const Registration many = with_threads(threads);
     EXPECT_EQ(one.T_map_sensor.rotation, many.T_map_sensor.rotation);
     EXPECT_EQ(one.T_map_sensor.translation, many.T_map_sensor.translation);
-    EXPECT_EQ(one.observability.covariance, many.observability.covariance);
+    EXPECT_EQ(one.covariance, many.covariance);
     EXPECT_EQ(one.residual, many.residual);
-    EXPECT_EQ(one.observability.worst, many.observability.worst);
+    EXPECT_EQ(one.weakest.fraction, many.weakest.fraction);
   }
 }
 
@@ -140,8 +140,8 @@ TEST_P(Degenerate, AnEndlessCorridorHoldsNothingAlongIt) {
     EXPECT_FALSE(found.converged());
     EXPECT_EQ(found.reject_reason, RejectReason::kUnobservable) << to_string(found.reject_reason);
     if (GetParam() < 0.2) continue;  // there, the sensor's noise is as thick as the leaf
-    EXPECT_FALSE(found.observability.is_rotation) << to_string(found.reject_reason);
-    EXPECT_GT(std::abs(found.observability.axis.dot(Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0))), 0.97);
+    EXPECT_FALSE(found.weakest.is_rotation) << to_string(found.reject_reason);
+    EXPECT_GT(std::abs(found.weakest.axis.dot(Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0))), 0.97);
   }
 }
 
@@ -150,7 +150,7 @@ TEST_P(Degenerate, APlaneHoldsNoTurnAboutItsNormal) {
   const Registration found = register_fine(test::survey_map(scene, GetParam()),
                                            Simulator(scene).scan(Pose{}, test::small_lidar(), 1), Pose{});
   EXPECT_EQ(found.reject_reason, RejectReason::kUnobservable);
-  EXPECT_EQ(to_string(found.observability), "rotation about z");
+  EXPECT_EQ(to_string(found.weakest), "rotation about z");
 }
 
 INSTANTIATE_TEST_SUITE_P(Edges, Degenerate, ::testing::Values(0.2, 0.4, 0.8));

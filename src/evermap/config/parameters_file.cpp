@@ -81,7 +81,7 @@ void for_each_localization_field(Localization& localization, Visit&& visit) {
   auto& [registration, gate, relocation] = localization;
   {
     auto& [termination, first_bundles, least_matches, first_kernel_width, last_kernel_width, damping,
-           least_inlier_fraction, accuracy] = registration;
+           least_inlier_fraction, least_observability] = registration;
     auto& [max_iterations, least_translation, least_rotation] = termination;
     visit("registration.max_iterations", max_iterations, "", Limits{1, 1000}, "steps in search of a pose");
     visit("registration.least_translation", least_translation, "m", Limits{1e-6, 1},
@@ -98,21 +98,15 @@ void for_each_localization_field(Localization& localization, Visit&& visit) {
           "width of the robust kernel at last");
     visit("registration.damping", damping, "", kFraction, "fraction of the Hessian's diagonal added to it");
     visit("registration.least_inlier_fraction", least_inlier_fraction, "", kFraction,
-          "of the bundles that have a leaf, below which a scan does not fit the map");
-    auto& [translation, rotation] = accuracy;
-    visit("registration.least_accuracy", translation, "m", Limits{1e-4, 10},
-          "standard deviation; a direction that is known less well is unobservable");
-    visit("registration.least_turn_accuracy", rotation, "rad", Limits{1e-5, 1}, "likewise");
+          "of the bundles, below which a scan does not fit the map");
+    visit("registration.least_observability", least_observability, "", kFraction,
+          "information in the weakest direction, as a fraction of the mean direction's");
   }
   {
-    auto& [max_translation, max_rotation, max_growth, max_residual, least_inlier_fraction, reach, turn,
-           memory, starting_slack, max_jump, lost_after, blind] = gate;
-    visit("gate.max_translation", max_translation, "m", Limits{0, 100},
-          "from a prediction over 0.1 s; farther is unusual");
-    visit("gate.max_rotation", max_rotation, "rad", Limits{0, 4},
-          "from a prediction over 0.1 s; more is unusual");
-    visit("gate.reach", reach, "m", Limits{0, 100}, "that a vehicle can leave its prediction by in 0.1 s");
-    visit("gate.turn", turn, "rad", Limits{0, 4}, "that a vehicle can leave its prediction by in 0.1 s");
+    auto& [max_translation, max_rotation, max_growth, max_residual, least_inlier_fraction, memory,
+           starting_slack, max_jump, lost_after] = gate;
+    visit("gate.max_translation", max_translation, "m", Limits{0, 100}, "from a prediction over 0.1 s");
+    visit("gate.max_rotation", max_rotation, "rad", Limits{0, 4}, "from a prediction over 0.1 s");
     visit("gate.max_growth", max_growth, "", Limits{1, 100},
           "by which what was usual may widen the two bounds above");
     visit("gate.max_residual", max_residual, "", Limits{1, 1000},
@@ -125,8 +119,6 @@ void for_each_localization_field(Localization& localization, Visit&& visit) {
     visit("gate.max_jump", max_jump, "m", Limits{0, 100},
           "by which odometry may leave constant velocity in 0.1 s");
     visit("gate.lost_after", lost_after, "scans", Limits{1, 10000}, "in a row that did not pass");
-    visit("gate.blind", blind, "scans", Limits{0, 10000},
-          "in a row that may leave a direction unobserved without odometry");
   }
   {
     auto& [reach, turn, step, turn_step, finalists, rival] = relocation;

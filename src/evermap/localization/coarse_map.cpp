@@ -22,10 +22,10 @@ void add(Octree& view, const Gaussian& surface) {
 
 }  // namespace
 
-std::vector<Octree> coarse_views(const Octree& map, const Eigen::Vector3d& center_map, double coarsest) {
+std::vector<Octree> coarse_views(const Octree& map, const Eigen::Vector3d& center_map) {
   std::vector<Octree> views;
   const auto voxel = map.grid().voxel(center_map);
-  if (!voxel || map.grid().edge >= kCoarsest || 2 * map.grid().edge > coarsest) return views;
+  if (!voxel || map.grid().edge >= kCoarsest) return views;
   const auto reach = Eigen::Vector3i::Constant(static_cast<int>(std::ceil(kRadius / map.grid().edge)));
   Octree first(VoxelGrid{2 * map.grid().edge, map.grid().origin});
   for (const PlacedBrick& placed : map.bricks_in({*voxel - reach, *voxel + reach})) {
@@ -35,7 +35,7 @@ std::vector<Octree> coarse_views(const Octree& map, const Eigen::Vector3d& cente
     });
   }
   views.push_back(std::move(first));
-  while (views.back().grid().edge < kCoarsest && 2 * views.back().grid().edge <= coarsest) {
+  while (views.back().grid().edge < kCoarsest) {
     const Octree& finer = views.back();
     Octree view(VoxelGrid{2 * finer.grid().edge, finer.grid().origin});
     finer.for_each_leaf([&](VoxelKey key, const Leaf& leaf) { add(view, finer.gaussian(key, leaf)); });

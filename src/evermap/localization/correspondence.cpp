@@ -5,7 +5,6 @@
 #include <Eigen/LU>
 
 #include <evermap/localization/detail/correspondence.hpp>
-#include <evermap/localization/detail/factor.hpp>
 #include <evermap/map/detail/leaf_finder.hpp>
 
 namespace evermap {
@@ -48,34 +47,6 @@ std::vector<Candidate> candidates(const Octree& map, std::span<const Gaussian> b
   return found;
 }
 
-/// How thick a leaf is along a direction [m].
-double thickness(const Leaf& leaf, const Eigen::Vector3d& normal) {
-  return std::sqrt(std::max(0.0, normal.dot(leaf.covariance_matrix() * normal)));
-}
-
-/// Whether a surface stands so close in front of this one that the sensor sees that one's face, and never
-/// this: the far face of a wall. Surveys show both.
-bool is_hidden(LeafFinder<const Octree>& finder, const VoxelGrid& grid, const Leaf& leaf,
-               const Eigen::Vector3d& mean_leaf, const Eigen::Vector3d& normal,
-               const Eigen::Vector3d& sensor_map) {
-  constexpr int kReach = 2;          // voxels: as far as scans are drawn to the wrong face
-  constexpr double kThin = 1.0 / 8;  // of an edge: what is thicker along the normal lies across it
-  constexpr double kSeparate = 4;    // times both thicknesses: else it is one surface, noise cut in two
-  const Eigen::Vector3d towards = normal.dot(sensor_map - mean_leaf) < 0 ? -normal : normal;
-  const double own = thickness(leaf, normal);
-  if (own > kThin * grid.edge) return false;
-  for (int step = 1; step <= kReach; ++step) {
-    const auto voxel = grid.voxel(mean_leaf + step * grid.edge * towards);
-    if (!voxel) return false;
-    const Leaf* front = finder.find(VoxelKey::from_voxel(*voxel));
-    if (front == nullptr || !front->occupied()) continue;
-    const double thick = thickness(*front, normal);
-    const double distance = towards.dot(front->gaussian(grid.center(*voxel)).mean - mean_leaf);
-    if (thick < kThin * grid.edge && distance > kSeparate * (own + thick)) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 std::vector<std::optional<Correspondence>> correspond(const Octree& map,
@@ -85,7 +56,6 @@ std::vector<std::optional<Correspondence>> correspond(const Octree& map,
   bundles.reserve(bundles_sensor.size());
   for (const Gaussian& bundle : bundles_sensor) bundles.push_back(transform(T_map_sensor, bundle));
   std::vector<std::optional<Correspondence>> matches(bundles.size());
-  LeafFinder finder(map);
   for (const auto& [i, voxel, leaf] : candidates(map, bundles)) {
     if (!leaf->occupied()) continue;
     std::optional<Correspondence>& best = matches[i];
@@ -99,11 +69,7 @@ std::vector<std::optional<Correspondence>> correspond(const Octree& map,
     const double mahalanobis_squared = residual.dot(information * residual);
     if (best && best->mahalanobis_squared <= mahalanobis_squared) continue;
     const double occupancy = 1 / (1 + std::exp(-static_cast<double>(leaf->log_odds)));
-    const Correspondence match{mean_leaf, information, leaf->covariance_matrix(), mahalanobis_squared,
-                               occupancy};
-    const Factor factor = make_factor(match, bundle.count);
-    if (is_hidden(finder, map.grid(), *leaf, mean_leaf, factor.normal, T_map_sensor.translation)) continue;
-    best = match;
+    best = {mean_leaf, information, mahalanobis_squared, occupancy};
   }
   return matches;
 }

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include <evermap/localization/detail/factor.hpp>
@@ -32,39 +30,10 @@ void Factor::add_to(NormalEquations& equations, const Eigen::Vector3d& mean_map,
   const Twist weighted = trust * kernel.weight(mahalanobis_squared) * stiffness * row;
   equations.hessian += weighted * row.transpose();
   equations.gradient += normal.dot(residual) * weighted;
-  if (stiffness <= 0) return;
   ++equations.matched;
   if (mahalanobis_squared >= kChiSquared95) return;
   ++equations.inliers;
   equations.inlier_error += mahalanobis_squared;
-}
-
-namespace {
-
-/// A patch of surface by itself: its normal, and how far it is flat at all, in [0, 1].
-struct Patch {
-  explicit Patch(const Eigen::Matrix3d& covariance) {
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
-    eigen.computeDirect(covariance);
-    normal = eigen.eigenvectors().col(0);
-    flatness = std::max(0.0, 1 - eigen.eigenvalues()[0] / std::max(1e-12, eigen.eigenvalues()[1]));
-  }
-  Eigen::Vector3d normal;
-  double flatness;
-};
-
-}  // namespace
-
-Matrix6 Factor::information(const Gaussian& bundle_map, const Eigen::Vector3d& from_sensor,
-                            const RobustKernel& kernel) const {
-  const Patch leaf(match.covariance_leaf);
-  const Patch bundle(bundle_map.covariance);
-  const Eigen::Vector3d residual = match.mean_leaf - bundle_map.mean;
-  const double weight = trust * kernel.weight(residual.dot(match.information * residual)) * stiffness;
-  const double common = weight * leaf.flatness * bundle.flatness * leaf.normal.dot(bundle.normal);
-  const Matrix6 product =
-      jacobian(leaf.normal, from_sensor) * (common * jacobian(bundle.normal, from_sensor)).transpose();
-  return 0.5 * (product + product.transpose());
 }
 
 namespace {
@@ -99,9 +68,7 @@ Factor make_factor(const Correspondence& match, double count) {
   const double half_sum = (trace - stiffest) / 2;
   const double product = M.determinant() / stiffest;
   const double next = half_sum + std::sqrt(std::max(0.0, half_sum * half_sum - product));
-  // A line of points has no normal: its plane must be clearly wider than it is thick.
-  constexpr double kWide = 4;  // variances
-  return {match, normal, std::max(0.0, stiffest - kWide * next), std::sqrt(count) * match.occupancy};
+  return {match, normal, std::max(0.0, stiffest - next), std::sqrt(count) * match.occupancy};
 }
 
 }  // namespace evermap

@@ -24,22 +24,15 @@ void push(std::deque<double>& values, double value, std::size_t memory) {
   if (values.size() > memory) values.pop_front();
 }
 
-/// A plain leaves three directions open, and a corridor one: that is no reason against the others.
-RejectReason reason(const Registration& registration) {
-  constexpr int kMost = 3;
-  const bool is_known = registration.is_usable() && registration.observability.unobservable <= kMost;
-  return is_known ? RejectReason::kNone : registration.reject_reason;
-}
-
 }  // namespace
 
 RejectReason Gate::judge(const Registration& registration, const Pose& T_map_sensor_predicted,
                          double slack) const {
-  if (!registration.is_usable()) return reason(registration);
+  if (!registration.converged()) return registration.reject_reason;
   const GateParameters& p = parameters_;
   if (residuals_.is_known()) {
     if (registration.residual > p.max_residual * residuals_.value()) return RejectReason::kFitsWorse;
-    if (registration.explained() < p.least_inlier_fraction * inlier_fractions_.value()) {
+    if (registration.inlier_fraction < p.least_inlier_fraction * inlier_fractions_.value()) {
       return RejectReason::kSeesLess;
     }
   }
@@ -51,24 +44,9 @@ RejectReason Gate::judge(const Registration& registration, const Pose& T_map_sen
   return RejectReason::kNone;
 }
 
-RejectReason Gate::judge_winner(const Hypothesis& winner, const Pose& T_map_sensor_predicted,
-                                double slack) const {
-  const Registration& registration = winner.registration;
-  const RejectReason outcome = reason(registration);
-  if (outcome != RejectReason::kNone) return outcome;
-  const GateParameters& p = parameters_;
-  constexpr double kClear = 0.6;  // of the bundles that have a leaf: a wrong place has half of them by chance
-  if (winner.score() <= 0) return RejectReason::kContradictsMap;
-  if (registration.inlier_fraction < kClear) return RejectReason::kTooFewInliers;
-  const Twist off = difference(T_map_sensor_predicted, registration.T_map_sensor);
-  if (off.head<3>().norm() > slack * p.reach) return RejectReason::kTooFar;
-  if (off.tail<3>().norm() > slack * p.turn) return RejectReason::kTurnedTooFar;
-  return RejectReason::kNone;
-}
-
 void Gate::remember(const Registration& passed, const Pose& T_map_sensor_predicted, bool is_predicted) {
   residuals_.push(passed.residual);
-  inlier_fractions_.push(passed.explained());
+  inlier_fractions_.push(passed.inlier_fraction);
   if (!is_predicted) return;
   const Twist off = difference(T_map_sensor_predicted, passed.T_map_sensor);
   push(translations_, off.head<3>().norm(), parameters_.memory);

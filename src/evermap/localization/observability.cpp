@@ -10,28 +10,18 @@
 #include <evermap/localization/detail/observability.hpp>
 
 namespace evermap {
-Observability observability(const Matrix6& information, double noise, const AccuracyLimits& limits) {
-  Observability result;
-  // In units of the limits all directions are alike, and an eigenvalue is 1 / variance.
+
+Observability observability(const Matrix6& hessian, double lever) {
   Twist units;
-  units << Eigen::Vector3d::Constant(limits.translation), Eigen::Vector3d::Constant(limits.rotation);
-  const Matrix6 scaled = units.asDiagonal() * information * units.asDiagonal();
+  units << 1, 1, 1, 1 / lever, 1 / lever, 1 / lever;
+  const Matrix6 scaled = units.asDiagonal() * hessian * units.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(scaled);
-  Matrix6 covariance = Matrix6::Zero();
-  for (int i = 0; i < 6; ++i) {
-    const Twist direction = eigen.eigenvectors().col(i);
-    if (eigen.eigenvalues()[i] <= noise) continue;
-    --result.unobservable;
-    covariance += noise / eigen.eigenvalues()[i] * direction * direction.transpose();
-  }
-  result.covariance = units.asDiagonal() * covariance * units.asDiagonal();
-  result.directions = units.asDiagonal() * eigen.eigenvectors();
+  const double mean = eigen.eigenvalues().mean();
+  if (mean <= 0) return {};
   const Twist worst = eigen.eigenvectors().col(0);
   const bool is_rotation = worst.tail<3>().norm() > worst.head<3>().norm();
-  result.is_rotation = is_rotation;
-  result.axis = (is_rotation ? worst.tail<3>() : worst.head<3>()).normalized();
-  result.worst = std::sqrt(noise / std::max(eigen.eigenvalues()[0], 1e-12));
-  return result;
+  return {std::max(0.0, eigen.eigenvalues()[0] / mean), is_rotation,
+          (is_rotation ? worst.tail<3>() : worst.head<3>()).normalized()};
 }
 
 std::string to_string(const Observability& direction) {

@@ -66,11 +66,11 @@ std::vector<Pose> finalists(std::vector<Try> tries, int count) {
 /// The best of the registrations, unless another place is about as good.
 Registration winner(std::vector<Registration> found, double rival) {
   const auto is_better = [](const Registration& a, const Registration& b) {
-    return std::pair(a.converged(), a.explained()) < std::pair(b.converged(), b.explained());
+    return std::pair(a.converged(), a.inlier_fraction) < std::pair(b.converged(), b.inlier_fraction);
   };
   Registration best = *std::max_element(found.begin(), found.end(), is_better);
   const bool has_rival = std::any_of(found.begin(), found.end(), [&](const Registration& other) {
-    return other.converged() && other.explained() > rival * best.explained() &&
+    return other.converged() && other.inlier_fraction > rival * best.inlier_fraction &&
            !is_one_place(other.T_map_sensor, best.T_map_sensor);
   });
   if (best.converged() && has_rival) best.reject_reason = RejectReason::kAmbiguous;
@@ -79,9 +79,9 @@ Registration winner(std::vector<Registration> found, double rival) {
 
 }  // namespace
 
-std::vector<Registration> places(const Octree& map, const Scan& scan, const Pose& T_map_sensor_last,
-                                 const LidarParameters& lidar, const RegistrationParameters& registration,
-                                 const RelocationParameters& parameters) {
+Registration relocate(const Octree& map, const Scan& scan, const Pose& T_map_sensor_last,
+                      const LidarParameters& lidar, const RegistrationParameters& registration,
+                      const RelocationParameters& parameters) {
   const std::vector<Octree> views = coarse_views(map, T_map_sensor_last.translation);
   const auto coarse = std::find_if(views.begin(), views.end(),
                                    [](const Octree& view) { return view.grid().edge >= kCoarseEdge; });
@@ -91,17 +91,10 @@ std::vector<Registration> places(const Octree& map, const Scan& scan, const Pose
   for_each_index(tries.size(), 1,
                  [&](std::size_t i) { tries[i].score = score(view, bundles, tries[i].T_map_sensor); });
   std::vector<Registration> found;
-  const CoarseToFine coarse_to_fine(map, scan, T_map_sensor_last.translation, lidar, registration);
   for (const Pose& start : finalists(std::move(tries), parameters.finalists)) {
-    found.push_back(coarse_to_fine.from(start));
+    found.push_back(register_coarse_to_fine(map, scan, start, lidar, registration));
   }
-  return found;
-}
-
-Registration relocate(const Octree& map, const Scan& scan, const Pose& T_map_sensor_last,
-                      const LidarParameters& lidar, const RegistrationParameters& registration,
-                      const RelocationParameters& parameters) {
-  return winner(places(map, scan, T_map_sensor_last, lidar, registration, parameters), parameters.rival);
+  return winner(std::move(found), parameters.rival);
 }
 
 }  // namespace evermap

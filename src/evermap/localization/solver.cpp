@@ -6,13 +6,12 @@
 
 namespace evermap {
 
-Twist solve(const NormalEquations& equations, const Directions& directions, double damping) {
-  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
-  Square damped = directions.transpose() * equations.hessian * directions;
+Twist solve(const NormalEquations& equations, double damping) {
+  Matrix6 damped = equations.hessian;
   damped.diagonal() *= 1 + damping;
-  const Eigen::LDLT<Square> factorized(damped);
+  const Eigen::LDLT<Matrix6> factorized(damped);
   if (factorized.info() != Eigen::Success || !factorized.isPositive()) return Twist::Zero();
-  const Twist step = -directions * factorized.solve(directions.transpose() * equations.gradient);
+  const Twist step = -factorized.solve(equations.gradient);
   return step.allFinite() ? step : Twist::Zero();
 }
 

@@ -42,17 +42,23 @@ class MapMaintainer::Loop {
 
   ScanResult process(const Scan& raw, double time, const std::optional<Pose>& T_odom_sensor) {
     ScanResult result;
-    result.points = count_points(raw, {});                  // as long as it is not condensed
+    const Scan scan = timed(result.times.locate, [&] {
+      const double period = parameters_.lidar.scan_period;
+      return deskew(raw, localizer_.motion(time, T_odom_sensor, period), period);
+    });
+    result.points = count_points(scan, {});                 // as long as it is not condensed
     if (map_.empty() && mode_ != MapMode::kLocalization) {  // the first scan lies where it is put
-      start_ = Start{raw, localizer_.predict(time, T_odom_sensor), time, T_odom_sensor};
-      write(raw, start_->T_map_sensor, result, &Loop::add_to_map);
-      localizer_.begin(start_->T_map_sensor, time, T_odom_sensor);
+      write(scan, localizer_.predict(time, T_odom_sensor), result, &Loop::add_to_map);
       result.state = TrackingState::kStarting;
       return result;
     }
-    Localization found = locate(raw, time, T_odom_sensor, Effort::kUsual, result);
-    if (start_ && found.passes()) found = start_again(raw, found, result);
-    if (found.is_writable() && mode_ != MapMode::kLocalization) write_found(raw, found, result);
+    Localization found =
+        timed(result.times.locate, [&] { return localizer_.propose(map_, scan, time, T_odom_sensor); });
+    if (found.is_writable() && mode_ != MapMode::kLocalization) {
+      write(scan, found.T_map_sensor, result,
+            mode_ == MapMode::kMapping ? &Loop::add_to_map : &Loop::update_if_plausible);
+      found.reject_reason = result.reject_reason;
+    }
     const TrackingState before = localizer_.state();
     localizer_.conclude(found);
     if (found.state == TrackingState::kLost && before != TrackingState::kLost)
@@ -60,10 +66,9 @@ class MapMaintainer::Loop {
     result.T_map_sensor = found.T_map_sensor;
     result.state = found.state;
     result.reject_reason = found.reject_reason;
-    result.covariance = found.registration.observability.covariance;
-    result.matched_fraction = found.registration.matched_fraction;
-    if (!found.registration.observability.is_complete()) {
-      result.unobservable = to_string(found.registration.observability);
+    result.covariance = found.registration.covariance;
+    if (found.reject_reason == RejectReason::kUnobservable) {
+      result.unobservable = to_string(found.registration.weakest);
     }
     result.inlier_fraction = found.registration.inlier_fraction;
     result.residual = found.registration.residual;
@@ -94,77 +99,6 @@ class MapMaintainer::Loop {
   TrackingState state() const { return localizer_.state(); }
 
  private:
-  /// The scan that a map began with.
-  struct Start {
-    Scan raw;
-    Pose T_map_sensor;
-    double time;  ///< [s]
-    std::optional<Pose> T_odom_sensor;
-  };
-
-  Scan undistorted(const Scan& raw, const Pose& T_begin_end) const {
-    return deskew(raw, T_begin_end, parameters_.lidar.scan_period);
-  }
-
-  /// Where the scan is. Where several places come into question, the rays decide, too: a scan that is taken
-  /// for lying behind a wall shoots through it.
-  Localization locate(const Scan& raw, double time, const std::optional<Pose>& T_odom_sensor, Effort effort,
-                      ScanResult& result) {
-    Localization found = timed(result.times.locate,
-                               [&] { return localizer_.propose(map_, raw, time, T_odom_sensor, effort); });
-    if (!found.is_contested) return found;
-    const Scan scan = undistorted(raw, found.T_begin_end);
-    for (Hypothesis& place : found.hypotheses) {
-      const BundleGrid bundles =
-          condense(scan, place.registration.T_map_sensor, map_.grid(), parameters_.lidar);
-      place.contradicting = contradicting_fraction(trace_rays(bundles, result), bundles);
-    }
-    localizer_.choose(found);
-    result.contradicting_fraction =
-        found.hypotheses.empty() ? 0 : found.hypotheses[best_of(found.hypotheses)].contradicting;
-    return found;
-  }
-
-  /// The second scan tells how the sensor moved in the first, which made the map: both are taken anew.
-  Localization start_again(const Scan& raw, Localization found, ScanResult& result) {
-    constexpr int kTries = 2;
-    const Start start = std::move(*start_);
-    start_.reset();
-    for (int i = 0; i < kTries && found.passes(); ++i) {
-      const Twist velocity =
-          log(start.T_map_sensor.inverse() * found.T_map_sensor) / (found.time - start.time);
-      const Scan first = undistorted(start.raw, exp(velocity * parameters_.lidar.scan_period));
-      Octree map(map_.grid());
-      add(map, condense(first, start.T_map_sensor, map.grid(), parameters_.lidar), parameters_.update);
-      {
-        const std::lock_guard lock(changing_);
-        map_ = std::move(map);
-      }
-      localizer_ = Localizer(start.T_map_sensor, parameters_.lidar, parameters_.localization);
-      localizer_.begin(start.T_map_sensor, start.time, start.T_odom_sensor, velocity);
-      found = locate(raw, found.time, found.T_odom_sensor, Effort::kUsual, result);
-    }
-    return found;
-  }
-
-  /// Writes a scan whose pose was found. When it contradicts more of the map than usual, other places are
-  /// looked at first: if none is better, the map is that much out of date.
-  void write_found(const Scan& raw, Localization& found, ScanResult& result) {
-    const auto try_to = [&](void (Loop::*change)(const BundleGrid&, ScanResult&)) {
-      result.reject_reason = RejectReason::kNone;
-      write(undistorted(raw, found.T_begin_end), found.T_map_sensor, result, change);
-      found.reject_reason = result.reject_reason;
-    };
-    if (mode_ == MapMode::kMapping) return try_to(&Loop::add_to_map);
-    if (!found.is_contested) {
-      try_to(&Loop::update_if_plausible);
-      if (found.reject_reason != RejectReason::kContradictsMap) return;
-      found = locate(raw, found.time, found.T_odom_sensor, Effort::kThorough, result);
-      if (!found.is_writable()) return;
-    }
-    try_to(&Loop::update_undoable);
-  }
-
   /// Gives the map the scan's bundles, unless it has none or `change` rejects them.
   void write(const Scan& scan, const Pose& T_map_sensor, ScanResult& result,
              void (Loop::*change)(const BundleGrid&, ScanResult&)) {
@@ -186,12 +120,8 @@ class MapMaintainer::Loop {
     apply_changes(result, [&] { return apply_evidence(bundles, evidence, result); });
   }
 
-  /// Updates the map with a scan whose pose was found, in a way that can be undone.
-  void update_undoable(const BundleGrid& bundles, ScanResult& result) {
-    apply_undoable(bundles, trace_rays(bundles, result), result);
-  }
-
-  /// The same, but not when it contradicts too much of the map.
+  /// Updates the map with a scan whose pose was found: not when it contradicts too much of the map, and in a
+  /// way that can be undone.
   void update_if_plausible(const BundleGrid& bundles, ScanResult& result) {
     const Evidence evidence = trace_rays(bundles, result);
     result.contradicting_fraction = contradicting_fraction(evidence, bundles);
@@ -202,11 +132,6 @@ class MapMaintainer::Loop {
       result.reject_reason = RejectReason::kContradictsMap;
       return;
     }
-    apply_undoable(bundles, evidence, result);
-  }
-
-  void apply_undoable(const BundleGrid& bundles, const Evidence& evidence, ScanResult& result) {
-    result.contradicting_fraction = contradicting_fraction(evidence, bundles);
     usual_contradicting_.push(result.contradicting_fraction);
     apply_changes(result, [&] {
       rollback_.begin_scan();
@@ -246,7 +171,6 @@ class MapMaintainer::Loop {
   Parameters parameters_;
   MapMode mode_;
   Localizer localizer_;
-  std::optional<Start> start_;  ///< until a second scan told the motion
   Viewpoint viewpoint_;
   Rollback rollback_;
   RunningMedian usual_contradicting_;

@@ -43,11 +43,10 @@ struct ScanResult {
   // Of a pose that was found:
   Matrix6 covariance = Matrix6::Zero();  ///< [m, rad] of (translation, rotation about the sensor) in the
                                          ///< map's axes; zero in directions that nothing tells
-  std::string unobservable;              ///< such a direction in words; empty when there is none
-  double matched_fraction = 0;           ///< of the scan's bundles: have a leaf
-  double inlier_fraction = 0;            ///< of these: fit it
-  double residual = 0;                   ///< mean squared Mahalanobis distance of these
-  double contradicting_fraction = 0;     ///< of the scan's rays; 0 when they were not traced
+  std::string unobservable;    ///< the direction that nothing tells, in words; empty when there is none
+  double inlier_fraction = 0;  ///< of the scan's bundles
+  double residual = 0;         ///< mean squared Mahalanobis distance of these
+  double contradicting_fraction = 0;  ///< of the scan's rays; 0 when they were not traced
 
   bool is_written = false;          ///< whether the map has the scan
   std::size_t leaves_occupied = 0;  ///< leaves that became occupied

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <limits>
 #include <vector>
 
 #include <evermap/map/octree.hpp>
@@ -11,8 +10,6 @@ namespace evermap {
 
 /// The map's occupied leaves around a place as ever coarser octrees, the finest first, each of twice the edge
 /// of the one before; the first has twice the map's. They live for one registration and are kept nowhere.
-/// `coarsest`: [m] none is wider.
-std::vector<Octree> coarse_views(const Octree& map, const Eigen::Vector3d& center_map,
-                                 double coarsest = std::numeric_limits<double>::infinity());
+std::vector<Octree> coarse_views(const Octree& map, const Eigen::Vector3d& center_map);
 
 }  // namespace evermap

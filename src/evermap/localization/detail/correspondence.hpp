@@ -13,11 +13,10 @@ namespace evermap {
 
 /// The leaf that a bundle belongs to.
 struct Correspondence {
-  Eigen::Vector3d mean_leaf;        ///< mu_V [m], map frame
-  Eigen::Matrix3d information;      ///< M = (S_V + S_R)^-1 [1/m^2]
-  Eigen::Matrix3d covariance_leaf;  ///< S_V [m^2]
-  double mahalanobis_squared;       ///< e' M e, e = mu_V - mu_R
-  double occupancy;                 ///< probability that the leaf is there
+  Eigen::Vector3d mean_leaf;    ///< mu_V [m], map frame
+  Eigen::Matrix3d information;  ///< M = (S_V + S_R)^-1 [1/m^2]
+  double mahalanobis_squared;   ///< e' M e, e = mu_V - mu_R
+  double occupancy;             ///< probability that the leaf is there
 };
 
 /// Of each bundle the occupied leaf that is nearest by Mahalanobis distance, among the voxel of the bundle's

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 
 #include <Eigen/Core>
@@ -24,8 +23,6 @@ struct NormalEquations {
   std::size_t inliers = 0;            ///< of these, within the 95 % ellipsoid
   double inlier_error = 0;            ///< sum of their squared Mahalanobis distances
 
-  /// Variance of a residual in units of what its covariance says, at least 1.
-  double noise() const { return std::max(1.0, inlier_error / std::max(1.0, static_cast<double>(inliers))); }
   NormalEquations& operator+=(const NormalEquations& other);
 };
 
@@ -50,13 +47,6 @@ struct Factor {
   /// the sensor, in the map's axes.
   void add_to(NormalEquations& equations, const Eigen::Vector3d& mean_map, const Eigen::Vector3d& from_sensor,
               const RobustKernel& kernel) const;
-
-  /// What it says about the pose beyond what noise feigns: as the Hessian's J' N J, with the normal of the
-  /// leaf on one side and that of the bundle on the other. Both are noisy, but independently of each other,
-  /// so that in the sum over many patches of a wall their random tilts, each of which seems to hold the pose
-  /// along the wall a little, cancel. `bundle_map`: the bundle in the map frame [m].
-  Matrix6 information(const Gaussian& bundle_map, const Eigen::Vector3d& from_sensor,
-                      const RobustKernel& kernel) const;
 };
 
 /// REQUIRES: the bundle has `count` points.

@@ -6,8 +6,7 @@
 #include <numbers>
 
 #include <evermap/geometry/detail/running_median.hpp>
-#include <evermap/localization/detail/hypothesis.hpp>
-#include <evermap/localization/reject_reason.hpp>
+#include <evermap/localization/detail/registration.hpp>
 
 namespace evermap {
 
@@ -15,19 +14,16 @@ namespace evermap {
 /// not enough: among posts of equal spacing it converges one post off.
 struct GateParameters {
   double max_translation = 0.3;  ///< [m] from a prediction over 0.1 s, or 3 sigma of how far
-                                 ///< passed scans were from theirs, if that is more; farther is unusual
+                                 ///< passed scans were from theirs, if that is more
   double max_rotation = 3 * std::numbers::pi / 180;  ///< [rad] likewise
   double max_growth = 2;                             ///< by which 3 sigma may widen these two
   double max_residual = 3;                           ///< times the median of what passed before
   double least_inlier_fraction = 0.75;               ///< times the median of what passed before
-  double reach = 0.6;                         ///< [m] that a vehicle can leave its prediction by in 0.1 s
-  double turn = 20 * std::numbers::pi / 180;  ///< [rad] likewise: 150 degrees/s, and some more
-  std::size_t memory = 51;                    ///< [scans] that the medians are taken over
-  double starting_slack = 3;                  ///< times these, while the motion is not known
+  std::size_t memory = 51;                           ///< [scans] that the medians are taken over
+  double starting_slack = 5;                         ///< times the distances, while the motion is not known
   double max_jump = 0.6;  ///< [m] by which odometry may leave constant velocity in 0.1 s: no
                           ///< vehicle can, so that its wheels have slipped
   int lost_after = 5;     ///< [scans] in a row that did not pass
-  int blind = 10;         ///< [scans] in a row that may leave a direction unobserved without odometry
 };
 
 /// Judges registrations, remembering those that passed.
@@ -36,12 +32,9 @@ class Gate {
   explicit Gate(const GateParameters& parameters)
       : parameters_(parameters), residuals_(parameters.memory), inlier_fractions_(parameters.memory) {}
 
-  /// What is unusual about this pose, so that other places must be looked at; kNone when nothing is. `slack`
-  /// widens the distance to the prediction.
+  /// Whether this pose is to be believed (kNone), or why not. `slack` widens the distance to the prediction.
   RejectReason judge(const Registration& registration, const Pose& T_map_sensor_predicted,
                      double slack) const;
-  /// Why this place, which beat all others, is not to be believed; kNone when it is.
-  RejectReason judge_winner(const Hypothesis& winner, const Pose& T_map_sensor_predicted, double slack) const;
   /// Takes a scan that passed. `is_predicted`: whether its prediction came from known motion.
   void remember(const Registration& passed, const Pose& T_map_sensor_predicted, bool is_predicted);
 

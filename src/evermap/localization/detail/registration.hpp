@@ -23,25 +23,23 @@ struct RegistrationParameters {
   std::size_t least_matches = 50;      ///< bundles on the map, below which a pose is a guess
   double first_kernel_width = 6;       ///< Mahalanobis distance; wide at first, so that far leaves may pull,
   double last_kernel_width = 2;        ///< then halved from step to step down to this one
-  double damping = 1e-6;               ///< share of the Hessian's diagonal
-  double least_inlier_fraction = 0.3;  ///< of the bundles that have a leaf
-  AccuracyLimits accuracy;
+  double damping = 1e-6;               ///< fraction of the Hessian's diagonal
+  double least_inlier_fraction = 0.3;  ///< of all bundles
+  double least_observability =
+      0.03;  ///< information in any direction, as a fraction of the mean direction's;
+             ///< endless corridors reach 0.016, an open junction has 0.06
 };
 
 /// Where a scan lies on the map.
 struct Registration {
   Pose T_map_sensor;
-  RejectReason reject_reason = RejectReason::kTooFewBundles;  ///< kNone when it converged
-  Observability observability;
-  double inlier_fraction = 0;   ///< of the bundles that have a leaf: within the 95 % ellipsoid
-  double matched_fraction = 1;  ///< of all bundles: have a leaf
-  double residual = 0;          ///< mean squared Mahalanobis distance of the inliers
+  RejectReason reject_reason = RejectReason::kTooFewBundles;
+  Matrix6 covariance = Matrix6::Zero();  ///< of the twist of perturb() [m, rad]; zero unless converged
+  Observability weakest;                 ///< the direction that is known least
+  double inlier_fraction = 0;            ///< of all bundles: on the map and within the 95 % ellipsoid
+  double residual = 0;                   ///< mean squared Mahalanobis distance of the inliers
   int iterations = 0;
 
-  /// Fraction of all bundles that the map explains at this pose.
-  double explained() const { return inlier_fraction * matched_fraction; }
-  /// Whether it is a pose at all: in the observable directions at least.
-  bool is_usable() const { return converged() || reject_reason == RejectReason::kUnobservable; }
   bool converged() const { return reject_reason == RejectReason::kNone; }
 };
 
@@ -63,30 +61,8 @@ std::vector<Gaussian> bundles_in_sensor_frame(
 Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
                               const Pose& T_map_sensor_guess, const RegistrationParameters& parameters);
 
-/// As register_bundles, from poses that may be off by metres: registers to coarser and coarser views of the
-/// map's leaves around the sensor, the coarsest first. For several guesses about one scan. REQUIRES: the map
-/// outlives it.
-class CoarseToFine {
- public:
-  /// `coarsest`: [m] edge of the widest leaves of any view.
-  CoarseToFine(const Octree& map, const Scan& scan, const Eigen::Vector3d& center_map,
-               const LidarParameters& lidar, const RegistrationParameters& parameters,
-               double coarsest = std::numeric_limits<double>::infinity());
-
-  /// `coarsest`: [m] edge of the widest leaves that are used: none, and it is register_bundles. Directions
-  /// that only wide leaves hold are taken from these. Thread safe.
-  Registration from(const Pose& T_map_sensor_guess,
-                    double coarsest = std::numeric_limits<double>::infinity()) const;
-
- private:
-  const Octree& map_;
-  RegistrationParameters parameters_;
-  std::vector<Octree> views_;
-  std::vector<Gaussian> fine_;
-  std::vector<std::vector<Gaussian>> coarse_;  ///< one a view
-};
-
-/// As CoarseToFine, for one guess.
+/// As register_bundles, from a pose that may be off by metres: registers to coarser and coarser views of the
+/// map's leaves around the sensor, the coarsest first.
 Registration register_coarse_to_fine(const Octree& map, const Scan& scan, const Pose& T_map_sensor_guess,
                                      const LidarParameters& lidar, const RegistrationParameters& parameters);
 

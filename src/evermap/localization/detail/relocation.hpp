@@ -18,12 +18,6 @@ struct RelocationParameters {
   double rival = 0.9;  ///< of the winner's inlier fraction: another place that reaches it makes it ambiguous
 };
 
-/// Places around a pose where a scan may be: scores every offset on a coarse view of the map and registers
-/// the best ones. Assumes that z is up. Reads the map only; same result for any number of threads.
-std::vector<Registration> places(const Octree& map, const Scan& scan, const Pose& T_map_sensor_last,
-                                 const LidarParameters& lidar, const RegistrationParameters& registration,
-                                 const RelocationParameters& parameters);
-
 /// Searches the surroundings of a pose: scores every offset on a coarse view of the map, registers the best
 /// ones. One score decides nothing: where two places fit alike (an aisle of equal posts) the outcome is
 /// RejectReason::kAmbiguous. Assumes that z is up. Reads the map only; same result for any number of threads.

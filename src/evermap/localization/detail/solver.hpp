@@ -7,11 +7,9 @@
 
 namespace evermap {
 
-/// Twists that a step may be made of, in columns.
-using Directions = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
-
-/// Levenberg's step: the twist, made of `directions`, that minimizes the linearized sum, held back a little
-/// (`damping` of each diagonal element). Zero when there are no equations.
-Twist solve(const NormalEquations& equations, const Directions& directions, double damping);
+/// Levenberg's step: the twist that minimizes the linearized sum, held back a little (`damping` of each
+/// diagonal element) so that directions which nothing observes stay where they are. Zero when there are no
+/// equations.
+Twist solve(const NormalEquations& equations, double damping);
 
 }  // namespace evermap
