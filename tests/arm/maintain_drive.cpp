@@ -6,46 +6,36 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <evermap/io/map_file.hpp>
 #include <evermap/io/poses.hpp>
 #include <evermap/io/scan_source.hpp>
-#include <evermap/localization/detail/localizer.hpp>
-#include <evermap/scan/detail/deskew.hpp>
-#include <evermap/update/detail/map_updater.hpp>
+#include <evermap/maintenance/map_maintainer.hpp>
 
 using namespace evermap;
 
 namespace {
 
 void maintain(const std::filesystem::path& drive, const std::string& out) {
-  constexpr double kDuration = 0.1;  // [s] of a scan
   const std::vector<StampedPose> truth = read_poses(drive / "poses.txt");
+  const Pose& T_map_sensor = truth.at(0).T_map_sensor;
+  MapMaintainer maintainer(Octree(VoxelGrid::around(T_map_sensor.translation, 0.2)), {},
+                           MapMode::kMaintenance, T_map_sensor);
   ScanSource scans(drive / "scans");
-  const UpdateParameters parameters;
-  Octree map(VoxelGrid::around(truth.at(0).T_map_sensor.translation, 0.2));
-  Localizer localizer(truth[0].T_map_sensor, {});
   std::vector<StampedPose> poses;
-  while (const std::optional<Scan> raw = scans.next()) {
+  std::size_t written = 0;
+  while (const std::optional<Scan> scan = scans.next()) {
     const double time = truth.at(poses.size()).time.value();
-    const Scan scan = deskew(*raw, localizer.motion(time, std::nullopt, kDuration), kDuration);
-    if (map.empty()) {
-      add_scan(map, scan, truth[0].T_map_sensor, parameters);
-      poses.push_back(truth[0]);
-      continue;
-    }
-    const Localization at = localizer.localize(map, scan, time, std::nullopt, [&](const Pose& T_map_sensor) {
-      update(map, scan, T_map_sensor, parameters);
-      return std::string();
-    });
-    poses.push_back({time, at.T_map_sensor});
+    const ScanResult result = maintainer.process(*scan, time);
+    poses.push_back({time, result.T_map_sensor});
+    written += result.is_written;
   }
-  save_map(out + ".evm", map);
+  save_map(out + ".evm", maintainer.map());
   write_tum_poses(out + ".tum", poses);
-  std::printf("%zu scans, %zu leaves, %s\n", poses.size(), map.leaf_count(),
-              std::string(to_string(localizer.state())).c_str());
+  std::printf("%zu scans, %zu written, %zu leaves\n", poses.size(), written, maintainer.map().leaf_count());
 }
 
 }  // namespace
