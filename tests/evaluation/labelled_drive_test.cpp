@@ -45,9 +45,16 @@ std::vector<LabelledBox> random_boxes(Random& random) {
   return boxes;
 }
 
-Scan random_scan(Random& random) {
+/// Points all around, half of them in and just outside of the boxes.
+Scan random_scan(const std::vector<LabelledBox>& boxes, Random& random) {
   Scan scan;
-  for (int i = 0; i < 400; ++i) scan.p_sensor.push_back(random.in_cube(10));
+  for (int i = 0; i < 200; ++i) scan.p_sensor.push_back(random.in_cube(10));
+  for (int i = 0; i < 200 && !boxes.empty(); ++i) {
+    const auto at = static_cast<std::size_t>(random.integer(0, static_cast<int>(boxes.size()) - 1));
+    const LabelledBox& box = boxes[at];
+    const Eigen::AngleAxisd turn(box.yaw, Eigen::Vector3d::UnitZ());
+    scan.p_sensor.emplace_back(box.center_sensor + turn * box.size.cwiseProduct(random.in_cube(0.7)));
+  }
   return scan;
 }
 
@@ -67,8 +74,8 @@ TEST(LabelledDrive, ScoresAsItsDescriptionSays) {
   DriveScore score;
   ReferenceDriveScore reference;
   for (int i = 0; i < 200; ++i) {
-    const Scan scan = random_scan(random);
     const std::vector<LabelledBox> boxes = random_boxes(random);
+    const Scan scan = random_scan(boxes, random);
     Twist twist;
     for (int k = 0; k < 6; ++k) twist[k] = random.uniform(-3, 3);
     const bool is_last = i >= 150;
