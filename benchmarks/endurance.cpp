@@ -55,9 +55,9 @@ struct Stretch {
 /// What experiments/report.py plots.
 Json figure_of(const std::vector<Stretch>& stretches) {
   const auto points = [&](double Stretch::*value) {
-    Json points = Json::array();
-    for (const Stretch& stretch : stretches) points.push_back({stretch.scans_before, stretch.*value});
-    return points;
+    Json list = Json::array();
+    for (const Stretch& stretch : stretches) list.push_back({stretch.scans_before, stretch.*value});
+    return list;
   };
   return {
       {{"title", "CPU time of a scan"},

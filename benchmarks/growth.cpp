@@ -61,15 +61,15 @@ std::vector<Cost> take_turns(std::vector<Variant> variants, const std::vector<Po
       oneapi::tbb::task_arena arena(variant.threads);
       const double cpu_begin = cpu_seconds();
       const double wall_begin = wall_seconds();
-      const ScanSummary summary = arena.execute([&] {
-        return update(
-            variant.map,
-            condense(variant.scans[scan], T_map_sensor[scan], variant.map.grid(), variant.parameters.lidar),
-            variant.parameters.update);
+      const std::size_t condensed = arena.execute([&] {
+        const BundleGrid grid =
+            condense(variant.scans[scan], T_map_sensor[scan], variant.map.grid(), variant.parameters.lidar);
+        update(variant.map, grid, variant.parameters.update);
+        return grid.bundles().size();
       });
       wall[i].push_back(1e3 * (wall_seconds() - wall_begin));
       cpu[i].push_back(1e3 * (cpu_seconds() - cpu_begin));
-      bundles[i].push_back(static_cast<double>(summary.bundles));
+      bundles[i].push_back(static_cast<double>(condensed));
     }
   }
   std::vector<Cost> costs;

@@ -3,9 +3,7 @@
 // A map of a wall is brought up to date by scans that see through a hole in it: the leaves there go.
 #include <cstdio>
 
-#include <evermap/io/map_file.hpp>
-#include <evermap/maintenance/map_maintainer.hpp>
-#include <evermap/map/map_difference.hpp>
+#include <evermap/evermap.hpp>
 
 using namespace evermap;
 

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <vector>
 
+#include <evermap/maintenance/survey.hpp>
 #include <evermap/map/traversal.hpp>
-#include <evermap/update/detail/map_updater.hpp>
 
 using namespace evermap;
 
@@ -26,7 +26,7 @@ Scan survey() {
 
 int main() {
   Octree map(VoxelGrid{.edge = 0.2});
-  add_cloud(map, survey(), Pose{}, {}, {});
+  add_survey(map, survey(), Pose{});
 
   const Ray ray{.origin = {0, 0.1, 1.1}, .end = {20, 0.1, 1.1}};
   std::vector<double> entries;  // [m] from the ray's origin

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <cstdio>
 
+#include <evermap/evermap.hpp>
 #include <evermap/simulation/simulator.hpp>
-#include <evermap/update/detail/map_updater.hpp>
 
 using namespace evermap;
 
@@ -43,11 +43,14 @@ int main() {
   const Simulator earlier(scene);
 
   constexpr int kScans = 20;
-  Octree map(VoxelGrid{.edge = 0.4});
-  for (int i = 0; i < kScans; ++i) add_scan(map, earlier.scan(pose_at(i), {}, 1), pose_at(i), {});
+  MapMaintainer mapper(Octree(VoxelGrid{.edge = 0.4}), {}, MapMode::kMapping);
+  for (int i = 0; i < kScans; ++i) mapper.process(earlier.scan(pose_at(i), {}, 1), pose_at(i));
+  Octree map = mapper.map();
   const std::size_t box_before = occupied_leaves(map, kBox);
   const std::size_t wall_before = occupied_leaves(map, kWall);
-  for (int i = 0; i < kScans; ++i) update(map, now.scan(pose_at(i), {}, 2), pose_at(i), {});
+  MapMaintainer maintainer(map);
+  for (int i = 0; i < kScans; ++i) maintainer.process(now.scan(pose_at(i), {}, 2), pose_at(i));
+  map = maintainer.map();
   const std::size_t box_after = occupied_leaves(map, kBox);
   const std::size_t wall_after = occupied_leaves(map, kWall);
 
