@@ -170,9 +170,14 @@ TEST_F(MapFileTest, ClaimsBeyondTheFileAreRefusedBeforeMemoryIsTaken) {
   refusal(many_blocks, "block 2 of 1152921504606846976: ");
 
   std::string many_leaves = saved(one_leaf());
-  put(many_leaves, kHeaderSize + 8, std::uint32_t{80'000'000});
-  put(many_leaves, kHeaderSize + 12, std::uint32_t{80'000'000 * kRecordSize});
+  put(many_leaves, kHeaderSize + 8, VoxelKey::kVoxelsPerBlock);
+  put(many_leaves, kHeaderSize + 12, std::uint32_t{VoxelKey::kVoxelsPerBlock * kRecordSize});
   refusal(many_leaves, "the file ends inside it");
+
+  std::string more_than_voxels = saved(one_leaf());
+  put(more_than_voxels, kHeaderSize + 8, std::uint32_t{80'000'000});
+  put(more_than_voxels, kHeaderSize + 12, std::uint32_t{80'000'000 * kRecordSize});
+  refusal(more_than_voxels, "its size makes no sense");
 
   std::string overflow = saved(one_leaf());  // a product that fits only modulo 2^32
   put(overflow, kHeaderSize + 8, std::uint32_t{(1U << 28) + 1});

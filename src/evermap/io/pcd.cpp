@@ -38,15 +38,15 @@ void add_compressed(ScanBuilder& builder, const InputFile& file, const PcdHeader
                                       std::to_string(header.points) + " points of " + std::to_string(stride) +
                                       " bytes are another number; write the file again");
   }
+  if (size / kLzfMaxRatio > compressed_size) {
+    file.fail_at_byte(offset + 4, "promises more data than " + std::to_string(compressed_size) +
+                                      " compressed bytes can hold; write the file again");
+  }
   const std::uint64_t memory = header.points * kMemoryOfPoint;
   if (memory > std::max<std::uint64_t>(kFreeMemory, kMostExpansion * file.bytes().size())) {
     file.fail_at_byte(offset + 4, "expands to " + std::to_string(header.points) +
                                       " points, more than a file of " + std::to_string(file.bytes().size()) +
                                       " bytes may; write it uncompressed (DATA binary)");
-  }
-  if (size / kLzfMaxRatio > compressed_size) {
-    file.fail_at_byte(offset + 4, "promises more data than " + std::to_string(compressed_size) +
-                                      " compressed bytes can hold; write the file again");
   }
   std::string columns(size, '\0');
   const std::optional<std::size_t> damage = lzf_decompress(rest.substr(8, compressed_size), columns);
