@@ -78,12 +78,28 @@ TEST_F(BadInputTest, AFarPointIsDroppedNotDrawn) {
   EXPECT_NE(result.out.find(" 1 beyond the grid"), std::string::npos) << result.out;
 }
 
-TEST_F(BadInputTest, AScanWithoutAUsablePointIsNamed) {
+TEST_F(BadInputTest, AScanWithoutAUsablePointCostsOneScan) {
   make_drive("drive", 3, true);
   make("drive/10001.bin", bytes_of<float>({0.1F, 0, 0, 0, 1e9F, 0, 0, 0}));
-  expect_failed(build("drive", "out.evm"),
-                "10001.bin: no usable point among 2: 0 not finite, 0 at the origin, "
-                "1 nearer than min range, 1 farther than max range");
+  const Result result = run(build("drive", "out.evm"));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("3 of 3; 1 without a usable point skipped"), std::string::npos) << result.out;
+  EXPECT_NE(result.err.find("10001.bin: skipped, it has no usable point"), std::string::npos) << result.err;
+}
+
+TEST_F(BadInputTest, ScansOfWhichNoneHasAUsablePointAreRefused) {
+  make_drive("drive", 2, true);
+  for (const char* scan : {"drive/10000.bin", "drive/10001.bin"}) {
+    make(scan, bytes_of<float>({0.1F, 0, 0, 0, 1e9F, 0, 0, 0}));
+  }
+  const Result result = run(build("drive", "out.evm"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(
+      result.err.find("no usable point among 4: 0 not finite, 0 at the origin, 2 nearer than min range, "
+                      "2 farther than max range"),
+      std::string::npos)
+      << result.err;
+  EXPECT_FALSE(std::filesystem::exists(path("out.evm")));
 }
 
 TEST_F(BadInputTest, Poses) {

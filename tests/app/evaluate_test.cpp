@@ -85,7 +85,7 @@ TEST_F(EvaluateTest, TrajectoriesOfOtherTimesAreRefused) {
   make("truth.txt", tum(5, 1000));
   expect_failed({"evaluate", "--trajectory", name("found.txt"), name("truth.txt")},
                 "no pose is within 0.02 s of one of");
-  EXPECT_EQ(score(tum(5, 0.05), tum(5, 0), {"--max-time-difference", "0.06"})["poses"], 5);
+  EXPECT_EQ(score(tum(5, 0.03), tum(5, 0), {"--max-time-difference", "0.04"})["poses"], 5);
 }
 
 TEST_F(EvaluateTest, SaysWhatIsMissing) {

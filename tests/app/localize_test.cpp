@@ -145,11 +145,11 @@ TEST_F(LocalizeTest, TakesBackWhatALostRobotDid) {
   build_map();
   for (int i = 5; i < kScans; ++i) make("scans/" + std::to_string(1000 + i) + ".bin", hall(4, -7));
   const Result result =
-      run(localize({"--maintain", "--map-out", name("kept.evm"), "--json", "--probation", "20"}));
+      run(localize({"--maintain", "--map-out", name("kept.evm"), "--json", "--rollback", "20"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json report = Json::parse(result.out);
   EXPECT_GE(report["states"]["lost"], 1);
-  EXPECT_EQ(report["taken_back"], 3);  // all that were tracked
+  EXPECT_EQ(report["rolled_back"], 3);  // all that were tracked
   EXPECT_TRUE(content(path("kept.evm")) == content(path("map.evm")));
 }
 

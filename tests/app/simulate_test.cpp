@@ -134,7 +134,7 @@ TEST_F(SimulateTest, RefusesBadScenariosAndWritesNothing) {
   expect_refused(with("at: [0, 6]", "at: [-4, 0]"), "bad.yaml: at line 6: box contains the sensor at scan");
   make("world.yaml", kWorld);
   expect_failed(simulate(name("world.yaml"), "bad", {"--truth", "6"}), "--truth 6");
-  expect_failed(simulate(name("none.yaml"), "bad"), "none.yaml: No such file");
+  expect_failed(simulate(name("none.yaml"), "bad"), "none.yaml: cannot be read: No such file");
   EXPECT_FALSE(std::filesystem::exists(path("bad")));
 }
 

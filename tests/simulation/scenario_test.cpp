@@ -249,6 +249,8 @@ TEST_F(ScenarioTest, RefusesWhatWouldTakeTheMemory) {
       "element face 5000\nproperty list uchar int vertex_index\nend_header\n0 0 0\n1 0 0\n0 1 0\n";
   for (int i = 0; i < 5000; ++i) strip += "3 0 1 2\n";
   make("mesh.ply", strip);
+  places.clear();
+  for (int i = 0; i < 900; ++i) places.append("[").append(std::to_string(i)).append(", 0], ");
   expect_object_refused("- {name: a, mesh: mesh.ply, places: [" + places + "]}",
                         "its meshes have more than 4 million triangles");
 }
