@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Uses something compiled from each module.
 #include <evermap/evaluation/octomap_baseline.hpp>
-#include <evermap/io/map_file.hpp>
+#include <evermap/evermap.hpp>
 #include <evermap/simulation/simulator.hpp>
-#include <evermap/update/detail/map_updater.hpp>
 
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
@@ -12,11 +11,9 @@ int main(int argc, char** argv) {
   evermap::add_box(scene, 1, evermap::Pose{}, {10, 10, 10});
   const evermap::Simulator simulator(scene);
   const evermap::Pose T_map_sensor{Eigen::Matrix3d::Identity(), {20, 0, 0}};
-  evermap::Octree octree(evermap::VoxelGrid{.edge = 0.4});
-  const evermap::Scan scan = simulator.scan(T_map_sensor, {}, 1);
-  evermap::add_scan(octree, scan, T_map_sensor, {});
-  evermap::update(octree, scan, T_map_sensor, {});
-  evermap::save_map(argv[1], octree);
+  evermap::MapMaintainer maintainer(evermap::Octree(evermap::VoxelGrid{.edge = 0.4}));
+  const bool is_written = maintainer.process(simulator.scan(T_map_sensor, {}, 1), T_map_sensor).is_written;
+  evermap::save_map(argv[1], maintainer.map());
   const evermap::OctoMapBaseline baseline(0.4);
-  return !octree.empty() && baseline.occupied_centers().empty() ? 0 : 1;
+  return is_written && !evermap::load_map(argv[1]).empty() && baseline.occupied_centers().empty() ? 0 : 1;
 }
