@@ -83,7 +83,7 @@ def draw_panels(path, panels):
         axis.set_xlabel(panel.get("x", ""))
         axis.set_ylabel(panel["y"])
         if panel.get("from_zero"):
-            axis.set_ylim(bottom=0)
+            axis.set_ylim(0, 1.05 * axis.get_ylim()[1])
         legends |= {label: handle for handle, label in zip(*axis.get_legend_handles_labels())}
     figure.legend(legends.values(), legends.keys(), loc="upper center", bbox_to_anchor=(0.5, 0), frameon=False,
                   ncols=min(len(legends), 2 * len(panels)))
