@@ -123,6 +123,28 @@ void update(benchmark::State& state, const UpdateParameters& parameters) {
   }
 }
 
+/// A view of the map, as a reader takes it between two scans.
+void snapshot(benchmark::State& state) {
+  const Setting at = setting(state);
+  for (auto _ : state) {
+    const Octree view = at.octree;
+    benchmark::DoNotOptimize(&view);
+  }
+}
+
+/// An update after which somebody always holds a view of the map as it was: each brick that changes is
+/// copied.
+void update_beside_a_view(benchmark::State& state) {
+  Setting at = setting(state);
+  std::size_t i = 0;
+  for (auto _ : state) {
+    const Octree view = at.octree;
+    update(at.octree, condense(at.drive.scans[i], at.drive.T_map_sensor[i], at.octree.grid(), {}),
+           UpdateParameters{});
+    i = (i + 1) % kScans;
+  }
+}
+
 /// What no implementation can do without, if it were told for free which ray meets which leaf: every point is
 /// read, put into its voxel and looked up once, and every leaf that a ray meets and the scan did not hit is
 /// judged once.
@@ -210,6 +232,8 @@ BENCHMARK(impact)->Apply(leaf_edges);
 BENCHMARK(apply)->Apply(leaf_edges);
 BENCHMARK_CAPTURE(update, default, UpdateParameters{})->Apply(leaf_edges);
 BENCHMARK_CAPTURE(update, paper, UpdateParameters::paper())->Apply(leaf_edges);
+BENCHMARK(snapshot)->Apply(leaf_edges);
+BENCHMARK(update_beside_a_view)->Apply(leaf_edges);
 BENCHMARK(floor)->Apply(leaf_edges);
 BENCHMARK(save)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 BENCHMARK(load)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
