@@ -36,7 +36,7 @@ void finish(const Options& options, const Octree& octree, const RunReport& run) 
 }
 
 void build_from_poses(const Options& options, const Parameters& parameters) {
-  PosedScans scans(options.run.scans, options.run.poses);
+  PosedScans scans(options.run.scans, options.run.poses, options.run.cloud);
   const VoxelGrid grid = VoxelGrid::around(scans.first_pose().translation, options.leaf);
   MapMaintainer maintainer(Octree(grid), parameters, MapMode::kMapping);
   const Run run = run_over(scans, options.run.threads, maintainer);
@@ -47,6 +47,7 @@ void build_from_poses(const Options& options, const Parameters& parameters) {
 void build_without_poses(const Options& options, const Parameters& parameters) {
   LocalizedScans scans = options.odometry;
   scans.scans = options.run.scans;
+  scans.cloud = options.run.cloud;
   scans.threads = options.run.threads;
   MapMaintainer maintainer(Octree(VoxelGrid{.edge = options.leaf}), parameters, MapMode::kMapping);
   const LocalizedRun run = localize_scans(scans, maintainer, parameters.lidar.scan_period);

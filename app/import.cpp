@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 
 #include <fmt/core.h>
+#include <spdlog/spdlog.h>
 
 #include "options.hpp"
 #include "report.hpp"
@@ -19,6 +21,7 @@ namespace {
 
 struct Options {
   std::filesystem::path cloud;
+  CloudOptions reading;
   std::filesystem::path map;
   double leaf = 0;  ///< [m]
   ParameterOptions parameters;
@@ -43,7 +46,18 @@ void run(const Options& options) {
   check_leaf(options.leaf);
   const Parameters parameters = parameters_of(options.parameters);
   check_writable(options.map);
-  const Scan cloud = read_cloud(options.cloud);
+  CloudNotes notes;
+  const Scan cloud = read_cloud(options.cloud, options.reading, &notes);
+  if (notes.coordinate_step > 0 && !cloud.p_sensor.empty()) {  // a few stray points do not count
+    const auto usual = static_cast<float>(median(cloud, Pose{}).cwiseAbs().maxCoeff());
+    notes.farthest_coordinate = static_cast<double>(usual);
+    notes.coordinate_step = static_cast<double>(std::nextafter(usual, INFINITY) - usual);
+  }
+  check_coordinate_step(options.cloud, notes, options.leaf);
+  if (notes.has_viewpoint && !options.reading.ignore_viewpoint) {
+    spdlog::warn("{}: its VIEWPOINT moves the cloud; --ignore-viewpoint leaves it where its points are",
+                 options.cloud.string());
+  }
   const Pose T_map_cloud = cloud.T_map_sensor.value_or(Pose{});
   const Eigen::Vector3d center =
       cloud.p_sensor.empty() ? Eigen::Vector3d::Zero() : median(cloud, T_map_cloud);
@@ -67,6 +81,9 @@ void add_import(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   verb->add_option("CLOUD", options->cloud, "Cloud in the map frame: .bin, .pcd or .ply")->required();
   verb->add_option("-o,--output", options->map, "Map to write")->required()->type_name("MAP.evm");
+  add_bin_fields_option(*verb, options->reading);
+  verb->add_flag("--ignore-viewpoint", options->reading.ignore_viewpoint,
+                 "Take the points of a PCD file as they are, whatever its VIEWPOINT says");
   add_leaf_option(*verb, options->leaf);
   add_config_option(*verb, options->parameters);
   add_json_option(*verb, options->as_json);

@@ -102,6 +102,7 @@ void add_localize(CLI::App& app) {
       ->default_str("the map's origin");
   verb->add_option("--states", options->states, "What was thought of each scan, and why, to write (CSV)")
       ->type_name("FILE.csv");
+  add_bin_fields_option(*verb, options->scans.cloud);
   add_odometry_options(*verb, options->scans);
   verb->add_flag("--maintain", options->maintain, "Update the map with scans whose pose is believed");
   verb->add_option("--map-out", options->map_out,

@@ -66,7 +66,7 @@ void add_odometry_options(CLI::App& verb, LocalizedScans& options) {
 }
 
 LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& maintainer, double scan_period) {
-  ScanSource scans(options.scans);
+  ScanSource scans(options.scans, options.cloud);
   const Schedule schedule(options, scans.size(), scan_period);
   LocalizedRun result;
   result.run = run_over(scans.size(), options.threads, [&](const TakeScan& take) {

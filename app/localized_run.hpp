@@ -23,6 +23,7 @@ namespace evermap {
 /// Scans whose poses are to be found.
 struct LocalizedScans {
   std::filesystem::path scans;
+  CloudOptions cloud;
   std::filesystem::path
       odometry;                ///< one pose of the sensor for each scan, in any frame; empty when not given
   std::optional<double> rate;  ///< [Hz] scans per second, when not the parameters' scan_period

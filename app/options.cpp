@@ -46,11 +46,19 @@ Parameters parameters_of(const ParameterOptions& options) {
                                        lidar.min_range, lidar.max_range));
 }
 
+void add_bin_fields_option(CLI::App& verb, CloudOptions& options) {
+  verb.add_option("--bin-fields", options.bin_fields, "float32 values a point in .bin files: x y z first")
+      ->check(CLI::Range(3, 32))
+      ->type_name("N")
+      ->default_str("told by the file");
+}
+
 void add_run_options(CLI::App& verb, RunOptions& options) {
   verb.add_option("SCANS", options.scans, "Folder of .bin, .pcd or .ply files, or one of them")->required();
   verb.add_option("--poses", options.poses, "Poses of the sensor in the map, one per scan (TUM or KITTI)")
       ->required()
       ->type_name("FILE");
+  add_bin_fields_option(verb, options.cloud);
   add_threads_option(verb, options.threads);
 }
 

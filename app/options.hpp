@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <evermap/io/cloud.hpp>
 #include <evermap/maintenance/parameters.hpp>
 
 namespace evermap {
@@ -25,9 +26,13 @@ void add_range_options(CLI::App& verb, ParameterOptions& options);
 /// Throws FileError when the file is wrong, std::runtime_error when the ranges exclude every point.
 Parameters parameters_of(const ParameterOptions& options);
 
+/// How clouds and scans are to be read, where their files do not tell.
+void add_bin_fields_option(CLI::App& verb, CloudOptions& options);
+
 /// The scans that a verb works through, and with how many threads.
 struct RunOptions {
   std::filesystem::path scans;
+  CloudOptions cloud;
   std::filesystem::path poses;
   int threads = 0;  ///< 0: one per core
 };

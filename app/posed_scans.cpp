@@ -9,8 +9,9 @@
 
 namespace evermap {
 
-PosedScans::PosedScans(const std::filesystem::path& scans, const std::filesystem::path& poses)
-    : scans_(scans), poses_(read_poses(poses)) {
+PosedScans::PosedScans(const std::filesystem::path& scans, const std::filesystem::path& poses,
+                       const CloudOptions& cloud)
+    : scans_(scans, cloud), poses_(read_poses(poses)) {
   if (poses_.size() == scans_.size()) return;
   throw FileError(poses, "has " + std::to_string(poses_.size()) + " poses for the " +
                              std::to_string(scans_.size()) + " scans of " + scans.string() +

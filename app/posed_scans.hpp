@@ -22,11 +22,14 @@ struct PosedScan {
 class PosedScans {
  public:
   /// Throws FileError when one cannot be read or their numbers differ.
-  PosedScans(const std::filesystem::path& scans, const std::filesystem::path& poses);
+  PosedScans(const std::filesystem::path& scans, const std::filesystem::path& poses,
+             const CloudOptions& cloud = {});
 
   std::size_t size() const { return scans_.size(); }
   const Pose& first_pose() const { return poses_.front().T_map_sensor; }
   std::optional<PosedScan> next();
+  /// What was made of the last scan's file.
+  const CloudNotes& notes() const { return scans_.notes(); }
 
  private:
   ScanSource scans_;

@@ -45,7 +45,7 @@ void write_report(const std::filesystem::path& folder, const ChangeReport& repor
 void run(const Options& options) {
   const Parameters parameters = parameters_of(options.parameters);
   prepare_outputs(options);
-  PosedScans scans(options.run.scans, options.run.poses);
+  PosedScans scans(options.run.scans, options.run.poses, options.run.cloud);
   MapMaintainer maintainer(load_map(options.map), parameters);
   const Octree before = maintainer.map();
   spdlog::info("{}: {} leaves", options.map.string(), before.leaf_count());

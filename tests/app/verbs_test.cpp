@@ -1,5 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <cstring>
+#include <vector>
+
 #include <nlohmann/json.hpp>
 
 #include "app/program.hpp"
@@ -116,6 +120,42 @@ TEST_F(VerbsTest, ExportWritesEveryFormat) {
   }
   EXPECT_NE(content(path("out.pcd")).find("POINTS " + std::to_string(leaves) + "\n"), std::string::npos);
   expect_failed({"export", name("map.evm"), name("out.las")}, "known are .pcd, .ply, .ot and .bt");
+}
+
+TEST_F(VerbsTest, BinFieldsAreSaidWhereTheFileDoesNotTell) {
+  std::vector<float> values;  // x y z intensity ring: as plausible as 4 values a point
+  for (int i = 0; i < 400; ++i) {
+    const float angle = 0.1F * static_cast<float>(i);
+    values.insert(values.end(), {5 * std::cos(angle), 5 * std::sin(angle), 1, 2, 3});
+  }
+  std::string bytes(values.size() * sizeof(float), '\0');
+  std::memcpy(bytes.data(), values.data(), bytes.size());
+  make("ring.bin", bytes);
+  const Result unsaid = run({"import", name("ring.bin"), "-r", "0.4", "-o", name("map.evm")});
+  EXPECT_TRUE(unsaid.exit_code == 0 || unsaid.err.find("--bin-fields") != std::string::npos) << unsaid.err;
+  const Result said =
+      run({"import", name("ring.bin"), "--bin-fields", "5", "-r", "0.4", "-o", name("map.evm"), "--json"});
+  ASSERT_EQ(said.exit_code, 0) << said.err;
+  EXPECT_EQ(Json::parse(said.out)["points"]["total"], 400);
+  expect_failed({"import", name("ring.bin"), "--bin-fields", "7", "-r", "0.4", "-o", name("no.evm")},
+                "ring.bin");
+}
+
+TEST_F(VerbsTest, ImportSaysThatAViewpointMovesTheCloud) {
+  make("cloud.pcd",
+       "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 50 0 0 "
+       "1 0 0 0\n"
+       "POINTS 2\nDATA ascii\n1 2 3\n2 2 3\n");
+  const auto least_x = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"import", name("cloud.pcd"), "-r", "0.4", "-o", name("map.evm")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Result result = run(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err.find("--ignore-viewpoint") != std::string::npos, more.empty()) << result.err;
+    return Json::parse(run({"info", name("map.evm"), "--json"}).out)["extent_m"]["least"][0].get<double>();
+  };
+  EXPECT_GT(least_x({}), 49);
+  EXPECT_LT(least_x({"--ignore-viewpoint"}), 2);
 }
 
 TEST_F(VerbsTest, ConfigPrintsWhatConfigReads) {

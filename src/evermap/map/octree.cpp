@@ -42,7 +42,7 @@ std::vector<PlacedBrick> Octree::bricks_in(const Eigen::AlignedBox3i& voxels) co
     const Block& block = *find_block(block_keys[i]);
     found[i].reserve(block.size());
     block.for_each([&](int index, const Brick& brick) {
-      const VoxelKey first(block_keys[i] << 18 | static_cast<std::uint64_t>(index) << 9);
+      const VoxelKey first = VoxelKey::first_of_block(block_keys[i]).first_of_brick(index);
       const Eigen::Vector3i corner = first.voxel();
       const Eigen::AlignedBox3i extent(corner, corner.array() + 7);
       if (voxels.intersects(extent)) found[i].push_back({&brick, first, corner});
@@ -66,7 +66,7 @@ std::vector<std::uint64_t> Octree::block_keys_in(const Eigen::AlignedBox3i& voxe
     }
   } else {
     for (const auto& [key, block] : blocks_) {
-      if (box.contains(block_of(VoxelKey(key << 18).voxel()))) keys.push_back(key);
+      if (box.contains(block_of(VoxelKey::first_of_block(key).voxel()))) keys.push_back(key);
     }
   }
   std::sort(keys.begin(), keys.end());

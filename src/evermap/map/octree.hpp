@@ -98,11 +98,11 @@ class Octree {
   template <class Visit>
   void for_each_leaf(Visit&& visit) const {
     for (const std::uint64_t block_key : sorted_block_keys()) {
+      const VoxelKey first_of_block = VoxelKey::first_of_block(block_key);
       find_block(block_key)->for_each([&](int brick_index, const Brick& brick) {
-        const std::uint64_t brick_bits = block_key << 18 | static_cast<std::uint64_t>(brick_index) << 9;
-        brick.for_each([&](int voxel_index, const Leaf& leaf) {
-          visit(VoxelKey(brick_bits | static_cast<std::uint64_t>(voxel_index)), leaf);
-        });
+        const VoxelKey first = first_of_block.first_of_brick(brick_index);
+        brick.for_each(
+            [&](int voxel_index, const Leaf& leaf) { visit(first.with_voxel(voxel_index), leaf); });
       });
     }
   }

@@ -20,9 +20,7 @@ struct PlacedBrick {
   VoxelKey first;          ///< key of its lowest voxel
   Eigen::Vector3i corner;  ///< its lowest voxel
 
-  VoxelKey key(int voxel_in_brick) const {
-    return VoxelKey(first.bits() | static_cast<std::uint64_t>(voxel_in_brick));
-  }
+  VoxelKey key(int voxel_in_brick) const { return first.with_voxel(voxel_in_brick); }
 };
 
 }  // namespace evermap
