@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
-// maintain_drive DRIVE OUT: localizes the scans of a folder written by `evermap simulate` in the map that
-// they make, without odometry, and writes the map OUT.evm and the poses OUT.tum. Nothing beyond the core is
-// needed.
+// maintain_drive MAP DRIVE OUT: localizes the scans of a folder that `evermap simulate` wrote in the map MAP,
+// without odometry, maintains it, and writes the map OUT.evm and the poses OUT.tum. Nothing beyond the core
+// is needed.
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -19,11 +19,10 @@ using namespace evermap;
 
 namespace {
 
-void maintain(const std::filesystem::path& drive, const std::string& out) {
+void maintain(const std::filesystem::path& survey, const std::filesystem::path& drive,
+              const std::string& out) {
   const std::vector<StampedPose> truth = read_poses(drive / "poses.txt");
-  const Pose& T_map_sensor = truth.at(0).T_map_sensor;
-  MapMaintainer maintainer(Octree(VoxelGrid::around(T_map_sensor.translation, 0.2)), {},
-                           MapMode::kMaintenance, T_map_sensor);
+  MapMaintainer maintainer(load_map(survey), {}, MapMode::kMaintenance, truth.at(0).T_map_sensor);
   ScanSource scans(drive / "scans");
   std::vector<StampedPose> poses;
   std::size_t written = 0;
@@ -41,9 +40,9 @@ void maintain(const std::filesystem::path& drive, const std::string& out) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) return 2;
+  if (argc != 4) return 2;
   try {
-    maintain(argv[1], argv[2]);
+    maintain(argv[1], argv[2], argv[3]);
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
