@@ -9,6 +9,7 @@
 #include <evermap/geometry/detail/neighbourhood.hpp>
 
 namespace evermap {
+
 Octree gaussians_of_grid(const Points& centers, double edge) {
   constexpr double kSure = 3;       // log-odds
   constexpr double kThinnest = 10;  // times thinner than a voxel a surface may seem
