@@ -72,7 +72,7 @@ void PlyReader::skip(const PlyElement& element) {
   } else {
     std::size_t stride = 0;
     for (const PlyProperty& property : element.properties) stride += size_of(property.type);
-    take(element, element.count, stride);
+    if (stride > 0) take(element, element.count, stride);
   }
 }
 
