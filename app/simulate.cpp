@@ -175,7 +175,10 @@ std::vector<Points> write_scans(const std::filesystem::path& folder, const Scena
 void write_drive(const Options& options, const ScenarioDrive& drive, const std::vector<std::size_t>& truths) {
   constexpr std::size_t kSideBySide = 16;
   ObservedSurface observed(kObservedReach);
-  for (const std::size_t index : truths) observed.add_surface(positions(drive.truth(index, options.spacing)));
+  for (const std::size_t index : truths) {
+    const Points points = positions(drive.truth(index, options.spacing));
+    observed.add_surface(points);
+  }
   ProgressBar bar(drive.size());
   auto truth = truths.begin();
   for (std::size_t done = 0; done < drive.size();) {

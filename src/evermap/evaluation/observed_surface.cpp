@@ -15,14 +15,19 @@ bool is_before(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 }  // namespace
 
 void ObservedSurface::add_surface(const Points& points) {
-  std::unordered_set<std::uint64_t> touched;
+  std::unordered_map<std::uint64_t, std::size_t> counts;
   for (const Eigen::Vector3d& p : points) {
-    const auto key = cells_.key(p);
-    if (!key) continue;
-    cell_of_[key->bits()].points.push_back(p);
-    touched.insert(key->bits());
+    if (const auto key = cells_.key(p)) ++counts[key->bits()];
   }
-  for (const std::uint64_t key : touched) {
+  // To the size that is needed: surfaces are what memory goes to here.
+  for (const auto& [key, count] : counts) {
+    Points& in_cell = cell_of_[key].points;
+    in_cell.reserve(in_cell.size() + count);
+  }
+  for (const Eigen::Vector3d& p : points) {
+    if (const auto key = cells_.key(p)) cell_of_[key->bits()].points.push_back(p);
+  }
+  for (const auto& [key, count] : counts) {
     Cell& cell = cell_of_[key];
     std::sort(cell.points.begin(), cell.points.end(), is_before);
     cell.points.erase(std::unique(cell.points.begin(), cell.points.end()), cell.points.end());
