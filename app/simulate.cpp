@@ -134,30 +134,43 @@ void write_scan(const std::filesystem::path& path, const LabelledScan& labelled,
   write_pcd(path, table);
 }
 
-void write_truth(const std::filesystem::path& path, const std::vector<SurfaceSample>& samples,
-                 const ScenarioDrive& drive) {
+/// The true surface at a scan: points of an ObservedSurface and what they are on.
+struct Truth {
+  std::size_t scan;
+  std::vector<std::uint32_t> points;
+  std::vector<int> objects;
+};
+
+Truth truth_of(const ScenarioDrive& drive, std::size_t scan, double spacing, ObservedSurface& surface) {
+  Truth truth{scan, {}, {}};
+  Points points;
+  for (const auto& [p_map, object] : drive.truth(scan, spacing)) {
+    points.push_back(p_map);
+    truth.objects.push_back(object);
+  }
+  truth.points = surface.add_surface(points);
+  return truth;
+}
+
+void write_truth(const std::filesystem::path& path, const Truth& truth, const ObservedSurface& surface,
+                 bool observed_only, const ScenarioDrive& drive) {
   PointTable table{{{"x"}, {"y"}, {"z"}, {"object"}, {"class"}}, {}};
-  for (const auto& [p, object] : samples) {
+  if (!observed_only) table.values.reserve(truth.points.size() * table.columns.size());
+  for (std::size_t i = 0; i < truth.points.size(); ++i) {
+    if (observed_only && !surface.is_observed(truth.points[i])) continue;
+    const Eigen::Vector3d& p = surface.point(truth.points[i]);
+    const int object = truth.objects[i];
     table.values.insert(table.values.end(), {p.x(), p.y(), p.z(), static_cast<double>(object),
                                              static_cast<double>(drive.class_of(object))});
   }
   write_ply(path, table);
 }
 
-Points positions(const std::vector<SurfaceSample>& samples) {
-  Points points;
-  points.reserve(samples.size());
-  for (const SurfaceSample& sample : samples) points.push_back(sample.p_map);
-  return points;
-}
-
 /// Writes the truth at a scan: all, and what the run had observed by then.
-void write_truths(const Options& options, const ScenarioDrive& drive, std::size_t index,
-                  const ObservedSurface& observed) {
-  std::vector<SurfaceSample> samples = drive.truth(index, options.spacing);
-  write_truth(options.folder / fmt::format("truth_{:06}.ply", index), samples, drive);
-  std::erase_if(samples, [&](const SurfaceSample& sample) { return !observed.is_observed(sample.p_map); });
-  write_truth(options.folder / fmt::format("truth_{:06}_observed.ply", index), samples, drive);
+void write_truths(const std::filesystem::path& folder, const Truth& truth, const ObservedSurface& surface,
+                  const ScenarioDrive& drive) {
+  write_truth(folder / fmt::format("truth_{:06}.ply", truth.scan), truth, surface, false, drive);
+  write_truth(folder / fmt::format("truth_{:06}_observed.ply", truth.scan), truth, surface, true, drive);
 }
 
 /// Writes scans [begin, end) side by side and gives their ray ends.
@@ -172,22 +185,23 @@ std::vector<Points> write_scans(const std::filesystem::path& folder, const Scena
   return ends;
 }
 
-void write_drive(const Options& options, const ScenarioDrive& drive, const std::vector<std::size_t>& truths) {
+void write_drive(const Options& options, const ScenarioDrive& drive, const std::vector<std::size_t>& scans) {
   constexpr std::size_t kSideBySide = 16;
-  ObservedSurface observed(kObservedReach);
-  for (const std::size_t index : truths) observed.add_surface(positions(drive.truth(index, options.spacing)));
+  ObservedSurface surface(kObservedReach);
+  std::vector<Truth> truths;
+  for (const std::size_t scan : scans) truths.push_back(truth_of(drive, scan, options.spacing, surface));
   ProgressBar bar(drive.size());
   auto truth = truths.begin();
   for (std::size_t done = 0; done < drive.size();) {
     std::size_t end = std::min(done + kSideBySide, drive.size());
-    if (truth != truths.end()) end = std::min(end, *truth + 1);
+    if (truth != truths.end()) end = std::min(end, truth->scan + 1);
     for (const Points& of_scan : write_scans(options.folder, drive, done, end)) {
-      if (truth != truths.end()) observed.add_ends(of_scan);
+      if (truth != truths.end()) surface.add_ends(of_scan);
     }
     done = end;
     bar.show(done);
-    if (truth == truths.end() || done <= *truth) continue;
-    write_truths(options, drive, *truth++, observed);
+    if (truth == truths.end() || done <= truth->scan) continue;
+    write_truths(options.folder, *truth++, surface, drive);
   }
 }
 

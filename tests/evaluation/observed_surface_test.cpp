@@ -57,28 +57,38 @@ Points ends_near(const Points& points, std::size_t count, double sigma, Random& 
 TEST(ObservedSurface, IsWhatLiesNearTheEndOfARay) {
   ObservedSurface surface(kReach);
   const Points points = {{1, 0, 0}, {5, 0, 0}};
-  surface.add_surface(points);
-  surface.add_surface({points[1]});
-  EXPECT_FALSE(surface.is_observed(points[1]));
+  const std::vector<std::uint32_t> index = surface.add_surface(points);
+  EXPECT_EQ(surface.point(index[1]), points[1]);
+  EXPECT_FALSE(surface.is_observed(index[1]));
   surface.add_ends({{5.09, 0, 0}, {1e12, 0, 0}, {NAN, 0, 0}});
-  EXPECT_FALSE(surface.is_observed(points[0]));
-  EXPECT_TRUE(surface.is_observed(points[1]));
+  EXPECT_FALSE(surface.is_observed(index[0]));
+  EXPECT_TRUE(surface.is_observed(index[1]));
   surface.add_ends({{1, 0.11, 0}});
-  EXPECT_FALSE(surface.is_observed(points[0]));
+  EXPECT_FALSE(surface.is_observed(index[0]));
   surface.add_ends({{1, -0.08, 0}});
-  EXPECT_TRUE(surface.is_observed(points[0]));
+  EXPECT_TRUE(surface.is_observed(index[0]));
+}
+
+TEST(ObservedSurface, SurfacesShareTheirPoints) {
+  ObservedSurface surface(kReach);
+  const auto first = surface.add_surface({{1, 0, 0}, {5, 0, 0}, {1e12, 0, 0}});
+  const auto second = surface.add_surface({{5, 0, 0}, {7, 0, 0}});
+  EXPECT_EQ(second[0], first[1]);
+  EXPECT_EQ(second[1], 3U);
+  surface.add_ends({{7, 0, 0}, {5, 0, 0}});
+  EXPECT_FALSE(surface.is_observed(first[0]));
+  EXPECT_TRUE(surface.is_observed(first[1]));
+  EXPECT_FALSE(surface.is_observed(first[2]));
+  EXPECT_TRUE(surface.is_observed(second[1]));
 }
 
 TEST(ObservedSurface, TheFirstEndOfACubeCounts) {
   ObservedSurface surface(kReach);
-  surface.add_surface({{0, 0, 0}});
-  surface.add_ends({{0.119, 0.001, 0.001}});
-  surface.add_ends({{0.1, 0, 0}, {0.0999, 0, 0}});  // the first of these two is in the same cube
-  EXPECT_TRUE(surface.is_observed({0, 0, 0}));
-  ObservedSurface taken(kReach);
-  taken.add_surface({{0, 0, 0}});
-  taken.add_ends({{0.119, 0.001, 0.001}, {0.1, 0, 0}});
-  EXPECT_FALSE(taken.is_observed({0, 0, 0}));
+  const std::uint32_t index = surface.add_surface({{0, 0, 0}}).at(0);
+  surface.add_ends({{0.119, 0.001, 0.001}, {0.1, 0, 0}});  // both in one cube
+  EXPECT_FALSE(surface.is_observed(index));
+  surface.add_ends({{0.0999, 0, 0}});
+  EXPECT_TRUE(surface.is_observed(index));
 }
 
 TEST(ObservedSurface, IsWhatKeepingAllEndsWouldGive) {
@@ -86,7 +96,7 @@ TEST(ObservedSurface, IsWhatKeepingAllEndsWouldGive) {
   for (const double sigma : {0.02, 0.1, 0.3}) {
     const Points points = floor(4, 0.07);
     ObservedSurface surface(kReach);
-    surface.add_surface(points);
+    const std::vector<std::uint32_t> index = surface.add_surface(points);
     KeptEnds kept;
     std::size_t observed = 0;
     for (int scan = 0; scan < 12; ++scan) {
@@ -94,9 +104,9 @@ TEST(ObservedSurface, IsWhatKeepingAllEndsWouldGive) {
       surface.add_ends(ends);
       kept.add(ends);
       observed = 0;
-      for (const Eigen::Vector3d& p : points) {
-        ASSERT_EQ(surface.is_observed(p), kept.observed(p)) << p.transpose();
-        observed += surface.is_observed(p);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        ASSERT_EQ(surface.is_observed(index[i]), kept.observed(points[i])) << points[i].transpose();
+        observed += surface.is_observed(index[i]);
       }
     }
     EXPECT_GT(observed, points.size() / 10);

@@ -14,22 +14,41 @@ bool is_before(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 }  // namespace
 
-void ObservedSurface::add_surface(const Points& points) {
+std::vector<std::uint32_t> ObservedSurface::add_surface(const Points& points) {
+  std::vector<std::uint32_t> indices(points.size());
+  std::vector<std::size_t> added;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto key = cells_.key(points[i]);
+    const auto known = key ? find(cell_of_[key->bits()], points[i]) : std::nullopt;
+    indices[i] = known.value_or(static_cast<std::uint32_t>(points_.size() + added.size()));
+    if (!known) added.push_back(i);
+  }
+  points_.reserve(points_.size() + added.size());
   std::unordered_set<std::uint64_t> touched;
-  for (const Eigen::Vector3d& p : points) {
-    const auto key = cells_.key(p);
+  for (const std::size_t i : added) {
+    points_.push_back(points[i]);
+    const auto key = cells_.key(points[i]);
     if (!key) continue;
-    cell_of_[key->bits()].points.push_back(p);
+    cell_of_[key->bits()].points.push_back(indices[i]);
     touched.insert(key->bits());
   }
+  is_observed_.resize(points_.size(), false);
   for (const std::uint64_t key : touched) {
     Cell& cell = cell_of_[key];
-    std::sort(cell.points.begin(), cell.points.end(), is_before);
-    cell.points.erase(std::unique(cell.points.begin(), cell.points.end()), cell.points.end());
+    std::sort(cell.points.begin(), cell.points.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return is_before(points_[a], points_[b]); });
     cell.points.shrink_to_fit();
-    cell.is_observed.assign(cell.points.size(), false);
     cell.open = cell.points.size();
   }
+  return indices;
+}
+
+std::optional<std::uint32_t> ObservedSurface::find(const Cell& cell, const Eigen::Vector3d& p_map) const {
+  const auto found =
+      std::lower_bound(cell.points.begin(), cell.points.end(), p_map,
+                       [&](std::uint32_t a, const Eigen::Vector3d& p) { return is_before(points_[a], p); });
+  if (found == cell.points.end() || points_[*found] != p_map) return std::nullopt;
+  return *found;
 }
 
 void ObservedSurface::add_ends(const Points& ends) {
@@ -56,13 +75,13 @@ void ObservedSurface::add_ends(const Points& ends) {
   }
 }
 
-bool ObservedSurface::mark(Cell& cell, const Eigen::Vector3d& end, double diagonal) const {
+bool ObservedSurface::mark(Cell& cell, const Eigen::Vector3d& end, double diagonal) {
   bool leaves_more = false;
-  for (std::size_t i = 0; i < cell.points.size(); ++i) {
-    if (cell.is_observed[i]) continue;
-    const double distance = (cell.points[i] - end).norm();
+  for (const std::uint32_t i : cell.points) {
+    if (is_observed_[i]) continue;
+    const double distance = (points_[i] - end).norm();
     if (distance <= reach_) {
-      cell.is_observed[i] = true;
+      is_observed_[i] = true;
       --cell.open;
     } else if (distance <= reach_ + diagonal) {
       leaves_more = true;
@@ -71,23 +90,13 @@ bool ObservedSurface::mark(Cell& cell, const Eigen::Vector3d& end, double diagon
   return leaves_more;
 }
 
-bool ObservedSurface::is_observed(const Eigen::Vector3d& p_map) const {
-  const auto key = cells_.key(p_map);
-  const auto cell = key ? cell_of_.find(key->bits()) : cell_of_.end();
-  if (cell == cell_of_.end()) return false;
-  const Points& points = cell->second.points;
-  const auto found = std::lower_bound(points.begin(), points.end(), p_map, is_before);
-  return found != points.end() && *found == p_map &&
-         cell->second.is_observed[static_cast<std::size_t>(found - points.begin())];
-}
-
 std::size_t ObservedSurface::memory_bytes() const {
   constexpr std::size_t kNode = 2 * sizeof(void*);  // of a hash table, beside the value
-  std::size_t bytes = sizeof(*this) + taken_cubes_.size() * (kNode + sizeof(std::uint64_t)) +
+  std::size_t bytes = sizeof(*this) + points_.capacity() * sizeof(Eigen::Vector3d) +
+                      is_observed_.capacity() / 8 + taken_cubes_.size() * (kNode + sizeof(std::uint64_t)) +
                       (taken_cubes_.bucket_count() + cell_of_.bucket_count()) * sizeof(void*);
   for (const auto& [key, cell] : cell_of_) {
-    bytes += kNode + sizeof(key) + sizeof(cell) + cell.points.capacity() * sizeof(Eigen::Vector3d) +
-             cell.is_observed.capacity() / 8;
+    bytes += kNode + sizeof(key) + sizeof(cell) + cell.points.capacity() * sizeof(std::uint32_t);
   }
   return bytes;
 }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
@@ -23,32 +24,35 @@ class ObservedSurface {
  public:
   explicit ObservedSurface(double reach) : reach_(reach), cubes_{reach / 5}, cells_{5 * reach} {}
 
-  /// Adds points [m, map frame]; to add one twice is to add it once. Points without a key in a grid of edge
-  /// reach/5 are never observed. REQUIRES: no ends were added yet.
-  void add_surface(const Points& points);
+  /// Adds points [m, map frame] and gives the index of each; a point of an earlier surface has that one's.
+  /// Points without a key in a grid of edge 5 reach are never observed. REQUIRES: no ends were added yet.
+  std::vector<std::uint32_t> add_surface(const Points& points);
   /// Takes the ends [m, map frame] of rays, in the order in which they were measured.
   void add_ends(const Points& ends);
 
-  /// REQUIRES: the point was added.
-  bool is_observed(const Eigen::Vector3d& p_map) const;
+  const Eigen::Vector3d& point(std::uint32_t index) const { return points_[index]; }
+  bool is_observed(std::uint32_t index) const { return is_observed_[index]; }
 
   std::size_t memory_bytes() const;
 
  private:
-  /// The points in one voxel of `cells_`, in lexicographic order.
+  /// The points in one voxel of `cells_`.
   struct Cell {
-    Points points;
-    std::vector<bool> is_observed;
-    std::size_t open = 0;  ///< points not observed
+    std::vector<std::uint32_t> points;  ///< in lexicographic order of their coordinates
+    std::size_t open = 0;               ///< points not observed
   };
 
+  /// The index of a point that an earlier surface had in this cell.
+  std::optional<std::uint32_t> find(const Cell& cell, const Eigen::Vector3d& p_map) const;
   /// Marks what an end observes in one cell. True when another end, no further than `diagonal` [m] from this
   /// one, could observe more there.
-  bool mark(Cell& cell, const Eigen::Vector3d& end, double diagonal) const;
+  bool mark(Cell& cell, const Eigen::Vector3d& end, double diagonal);
 
   double reach_;  ///< [m]
   VoxelGrid cubes_;
   VoxelGrid cells_;
+  Points points_;  ///< of all surfaces
+  std::vector<bool> is_observed_;
   std::unordered_map<std::uint64_t, Cell> cell_of_;
   std::unordered_set<std::uint64_t> taken_cubes_;  ///< that have had their end, near open points
 };
