@@ -189,6 +189,7 @@ void write_drive(const Options& options, const ScenarioDrive& drive, const std::
   constexpr std::size_t kSideBySide = 16;
   ObservedSurface surface(kObservedReach);
   std::vector<Truth> truths;
+  truths.reserve(scans.size());
   for (const std::size_t scan : scans) truths.push_back(truth_of(drive, scan, options.spacing, surface));
   ProgressBar bar(drive.size());
   auto truth = truths.begin();

@@ -1,26 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "files/file_fixture.hpp"
-#include "support/random_octree.hpp"
+#include "io/export_fixture.hpp"
 #include <evermap/io/cloud.hpp>
 #include <evermap/io/map_export.hpp>
 
 namespace evermap {
 namespace {
 
-class MapExportTest : public FileTest {
- protected:
-  MapExportTest() : octree_(VoxelGrid{0.2}) {
-    std::mt19937 generator(7);
-    octree_ = random_octree(generator, 3000, VoxelGrid{0.2});
-    octree_.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
-      if (leaf.occupied()) occupied_.push_back(key);
-    });
-  }
-
-  Octree octree_;
-  std::vector<VoxelKey> occupied_;
-};
+using MapExportTest = ExportTest;
 
 TEST_F(MapExportTest, CloudsHoldTheMeansOfOccupiedLeaves) {
   ASSERT_GT(octree_.leaf_count(), occupied_.size());

@@ -6,26 +6,13 @@
 
 #include <octomap/OcTree.h>
 
-#include "files/file_fixture.hpp"
-#include "support/random_octree.hpp"
+#include "io/export_fixture.hpp"
 #include <evermap/octomap/octomap_export.hpp>
 
 namespace evermap {
 namespace {
 
-class OctomapExportTest : public FileTest {
- protected:
-  OctomapExportTest() : octree_(VoxelGrid{0.2}) {
-    std::mt19937 generator(7);
-    octree_ = random_octree(generator, 3000, VoxelGrid{0.2});
-    octree_.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
-      if (leaf.occupied()) occupied_.push_back(key);
-    });
-  }
-
-  Octree octree_;
-  std::vector<VoxelKey> occupied_;
-};
+using OctomapExportTest = ExportTest;
 
 TEST_F(OctomapExportTest, OctomapReadsOccupancyBack) {
   export_map(octree_, path("map.ot"), octomap_formats());

@@ -4,7 +4,7 @@
 
 #include <evermap/evaluation/evermap_mapper.hpp>
 #include <evermap/evaluation/map_claims.hpp>
-#include <evermap/update/detail/map_updater.hpp>
+#include <evermap/maintenance/survey.hpp>
 
 namespace evermap {
 
@@ -21,7 +21,7 @@ void EvermapMapper::start(const Points& survey_map, const Pose& T_map_sensor_ini
   Scan survey;
   survey.p_sensor = survey_map;
   Octree map(VoxelGrid{.edge = edge_});
-  add_cloud(map, survey, Pose{}, parameters_.lidar, parameters_.update);
+  add_survey(map, survey, Pose{}, parameters_);
   map_.reset();
   maintainer_ = MapMaintainer(std::move(map), parameters_, mode_, T_map_sensor_initial);
 }

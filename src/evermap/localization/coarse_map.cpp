@@ -30,7 +30,7 @@ std::vector<Octree> coarse_views(const Octree& map, const Eigen::Vector3d& cente
   Octree first(VoxelGrid{2 * map.grid().edge, map.grid().origin});
   for (const PlacedBrick& placed : map.bricks_in({*voxel - reach, *voxel + reach})) {
     placed.brick->for_each([&](int index, const Leaf& leaf) {
-      const VoxelKey key(placed.first.bits() | static_cast<std::uint64_t>(index));
+      const VoxelKey key = placed.key(index);
       if (leaf.occupied()) add(first, map.gaussian(key, leaf));
     });
   }

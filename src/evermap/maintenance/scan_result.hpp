@@ -34,15 +34,14 @@ struct ScanResult {
     double trace = 0;     ///< [s] rays through the map
     double apply = 0;     ///< [s] the map changed
   };
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
   Pose T_map_sensor;                                 ///< where the scan ended; see is_believed()
   TrackingState state = TrackingState::kTracking;    ///< after this scan
   RejectReason reject_reason = RejectReason::kNone;  ///< why the scan is not believed, or not written
 
   // Of a pose that was found:
-  Matrix6 covariance = Matrix6::Zero();  ///< [m, rad] of (translation, rotation about the sensor) in the
-                                         ///< map's axes; zero in directions that nothing tells
+  /// [m, rad] of (translation, rotation about the sensor) in the map's axes; zero where nothing tells.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   std::string unobservable;    ///< the direction that nothing tells, in words; empty when there is none
   double inlier_fraction = 0;  ///< of the scan's bundles
   double residual = 0;         ///< mean squared Mahalanobis distance of these
