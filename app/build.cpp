@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
+#include <stdexcept>
 
 #include <fmt/core.h>
 
@@ -53,6 +54,12 @@ void build_without_poses(const Options& options, const Parameters& parameters) {
   const LocalizedRun run = localize_scans(scans, maintainer, parameters.lidar.scan_period);
   if (!options.poses_out.empty()) write_tum_poses(options.poses_out, run.trajectory);
   finish(options, maintainer.map(), run);
+  if (run.is_lost() || run.is_hardly_tracked()) {
+    throw std::runtime_error(fmt::format(
+        "{} of {} scans could be tracked{}; this map shows only these. Give odometry (--odometry) or poses "
+        "(--poses)",
+        run.count(TrackingState::kTracking), run.scans.size(), run.is_lost() ? ", none at the end" : ""));
+  }
 }
 
 void run(const Options& options) {

@@ -56,8 +56,8 @@ void run(const Options& options) {
   Parameters parameters = parameters_of(options.parameters);
   if (options.scans.rate) parameters.lidar.scan_period = 1 / *options.scans.rate;
   parameters.rollback.scans = options.rollback.value_or(parameters.rollback.scans);
-  parameters.rollback.max_contradicting =
-      options.max_contradicting.value_or(parameters.rollback.max_contradicting);
+  parameters.localization.gate.max_contradicting =
+      options.max_contradicting.value_or(parameters.localization.gate.max_contradicting);
   check(options);
   Octree map = load_map(options.map);
   if (map.empty()) throw std::runtime_error(options.map.string() + " has no leaves to localize in");
@@ -78,8 +78,10 @@ void run(const Options& options) {
     if (options.maintain) fmt::print("map      {}\n", options.map_out.string());
     fmt::print("poses    {}\n{}", options.poses.string(), to_text(run));
   }
-  if (run.is_lost()) {
-    throw std::runtime_error("the robot was lost at the end; try --initial-pose, or a map of this place");
+  if (run.is_lost() || run.is_hardly_tracked()) {
+    throw std::runtime_error(std::string("the robot was lost") +
+                             (run.is_lost() ? " at the end" : " most of the time") +
+                             "; try --initial-pose, or a map of this place");
   }
 }
 
@@ -116,10 +118,10 @@ void add_localize(CLI::App& app) {
       ->default_str(fmt::format("{}", defaults.scans));
   verb->add_option("--max-contradicting", options->max_contradicting,
                    "Fraction of a scan's rays, beyond the median of those before, that may contradict the "
-                   "map; a scan of more is not written")
+                   "map; for a scan of more, other places are considered")
       ->check(CLI::Range(0.0, 1.0))
       ->type_name("FRACTION")
-      ->default_str(fmt::format("{}", defaults.max_contradicting));
+      ->default_str(fmt::format("{}", GateParameters{}.max_contradicting));
   add_undo_log_option(*verb, options->undo_log);
   add_threads_option(*verb, options->scans.threads);
   add_mode_option(*verb, options->parameters);

@@ -45,7 +45,8 @@ class Schedule {
 void record(LocalizedRun& run, double time, const ScanResult& result) {
   spdlog::debug("scan {}: {} {}, {:.0f} % inliers, residual {:.2f}, {:.0f} % of the rays contradict the map",
                 run.scans.size(), to_string(result.state), to_string(result.reject_reason),
-                100 * result.inlier_fraction, result.residual, 100 * result.contradicting_fraction);
+                100 * result.inlier_fraction, result.residual,
+                100 * result.contradicting_fraction.value_or(0));
   run.scans.emplace_back(time, result);
   if (result.reject_reason == RejectReason::kNone) run.trajectory.push_back({time, result.T_map_sensor});
   ++run.states[static_cast<std::size_t>(result.state)];
@@ -75,12 +76,32 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
     const double time = schedule.time(index);
     record(result, time, take([&] { return maintainer.process(scan, time, schedule.T_odom_sensor(index)); }));
   });
-  if (!options.odometry.empty() && result.count(TrackingState::kTracking) == 0) {
+  if (!options.odometry.empty() && result.is_hardly_tracked()) {
     throw FileError(
         options.odometry,
-        "no scan could be tracked with this odometry; is it of the LiDAR itself, its x axis ahead?");
+        "hardly a scan could be tracked with this odometry; is it of the LiDAR itself, its x axis ahead?");
   }
   return result;
+}
+
+bool LocalizedRun::is_hardly_tracked() const {
+  constexpr std::size_t kHardly = 5;  // one in five
+  return kHardly * count(TrackingState::kTracking) < scans.size();
+}
+
+std::pair<double, double> LocalizedRun::way() const {
+  double believed = 0;
+  double all = 0;
+  std::optional<std::size_t> last;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    if (scans[i].second.reject_reason != RejectReason::kNone) continue;
+    const Eigen::Vector3d& p_map = scans[i].second.T_map_sensor.translation;
+    const double step = last ? (p_map - scans[*last].second.T_map_sensor.translation).norm() : 0;
+    all += step;
+    if (last && *last + 1 == i) believed += step;
+    last = i;
+  }
+  return {believed, all};
 }
 
 void write_states(const std::filesystem::path& path, const LocalizedRun& run) {
@@ -93,7 +114,7 @@ void write_states(const std::filesystem::path& path, const LocalizedRun& run) {
     const Eigen::Quaterniond q(scan.T_map_sensor.rotation);
     std::string row = fmt::format("{:.6f},{},{},{:d},{:.4f},{:.4f},\"{}\"", time, to_string(scan.state),
                                   to_string(scan.reject_reason), scan.is_written, scan.inlier_fraction,
-                                  scan.contradicting_fraction, scan.unobservable);
+                                  scan.contradicting_fraction.value_or(0), scan.unobservable);
     for (const double value : {t.x(), t.y(), t.z()}) row += fmt::format(",{:.6f}", value);
     for (const double value : {q.x(), q.y(), q.z(), q.w()}) row += fmt::format(",{:.9f}", value);
     for (int i = 0; i < 6; ++i) row += fmt::format(",{:.6f}", std::sqrt(scan.covariance(i, i)));
@@ -109,7 +130,11 @@ Json to_json(const LocalizedRun& run) {
   }
   Json rejections = Json::object();
   for (const auto& [reason, scans] : run.rejections) rejections[std::string(to_string(reason))] = scans;
-  Json json = {{"states", states}, {"rejections", rejections}, {"rolled_back", run.rolled_back}};
+  const auto [believed, all] = run.way();
+  Json json = {{"states", states},
+               {"rejections", rejections},
+               {"rolled_back", run.rolled_back},
+               {"way", {{"length", all}, {"tracked", believed}}}};
   json.update(to_json(run.run));
   return json;
 }
@@ -121,6 +146,9 @@ std::string to_text(const LocalizedRun& run) {
                   100 * static_cast<double>(run.count(TrackingState::kTracking)) / total,
                   run.count(TrackingState::kStarting), run.count(TrackingState::kTracking),
                   run.count(TrackingState::kDegraded), run.count(TrackingState::kLost));
+  const auto [believed, all] = run.way();
+  text +=
+      fmt::format("way      {:.1f} m, {:.1f} % of it tracked\n", all, all > 0 ? 100 * believed / all : 100);
   for (const auto& [reason, scans] : run.rejections) {
     text += fmt::format("         {} rejected: {}\n", scans, to_string(reason));
   }

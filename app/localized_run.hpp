@@ -42,6 +42,10 @@ struct LocalizedRun {
   std::size_t rolled_back = 0;                       ///< scans whose changes were undone
 
   bool is_lost() const { return !scans.empty() && scans.back().second.state == TrackingState::kLost; }
+  /// Less than a fifth of the scans: the trajectory and a map made along it are worth nothing.
+  bool is_hardly_tracked() const;
+  /// Lengths of the way [m]: where scan after scan was believed, and in all; gaps count as straight.
+  std::pair<double, double> way() const;
   std::size_t count(TrackingState state) const { return states[static_cast<std::size_t>(state)]; }
 };
 

@@ -92,14 +92,14 @@ void evermap_registration(benchmark::State& state) {
   const Octree map = map_of_survey(edge_of(state));
   run(state, [&](std::size_t i) {
     const auto bundles = bundles_in_sensor_frame(setting().scans[i], map.grid().edge, {});
-    return register_bundles(map, bundles, setting().starts[i], {}).T_map_sensor;
+    return register_bundles(map, bundles, {setting().starts[i]}, {}).T_map_sensor;
   });
 }
 
 void evermap_coarse_to_fine(benchmark::State& state) {
   const Octree map = map_of_survey(edge_of(state));
   run(state, [&](std::size_t i) {
-    return register_coarse_to_fine(map, setting().scans[i], setting().starts[i], {}, {}).T_map_sensor;
+    return register_coarse_to_fine(map, setting().scans[i], {setting().starts[i]}, {}, {}).T_map_sensor;
   });
 }
 

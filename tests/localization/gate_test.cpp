@@ -12,6 +12,7 @@ Registration fitting(double x, double residual = 1, double fraction = 0.9) {
   registration.reject_reason = RejectReason::kNone;
   registration.T_map_sensor.translation.x() = x;
   registration.residual = residual;
+  registration.matched_fraction = 1;
   registration.inlier_fraction = fraction;
   return registration;
 }

@@ -81,7 +81,7 @@ void for_each_localization_field(Localization& localization, Visit&& visit) {
   auto& [registration, gate, relocation] = localization;
   {
     auto& [termination, first_bundles, least_matches, first_kernel_width, last_kernel_width, damping,
-           least_inlier_fraction, least_observability] = registration;
+           least_inlier_fraction] = registration;
     auto& [max_iterations, least_translation, least_rotation] = termination;
     visit("registration.max_iterations", max_iterations, "", Limits{1, 1000}, "steps in search of a pose");
     visit("registration.least_translation", least_translation, "m", Limits{1e-6, 1},
@@ -99,12 +99,10 @@ void for_each_localization_field(Localization& localization, Visit&& visit) {
     visit("registration.damping", damping, "", kFraction, "fraction of the Hessian's diagonal added to it");
     visit("registration.least_inlier_fraction", least_inlier_fraction, "", kFraction,
           "of the bundles, below which a scan does not fit the map");
-    visit("registration.least_observability", least_observability, "", kFraction,
-          "information in the weakest direction, as a fraction of the mean direction's");
   }
   {
-    auto& [max_translation, max_rotation, max_growth, max_residual, least_inlier_fraction, memory,
-           starting_slack, max_jump, lost_after] = gate;
+    auto& [max_translation, max_rotation, max_growth, max_residual, least_inlier_fraction, max_contradicting,
+           margin, memory, starting_slack, max_jump, max_turn_jump, lost_after] = gate;
     visit("gate.max_translation", max_translation, "m", Limits{0, 100}, "from a prediction over 0.1 s");
     visit("gate.max_rotation", max_rotation, "rad", Limits{0, 4}, "from a prediction over 0.1 s");
     visit("gate.max_growth", max_growth, "", Limits{1, 100},
@@ -113,34 +111,33 @@ void for_each_localization_field(Localization& localization, Visit&& visit) {
           "times the median of the scans that passed");
     visit("gate.least_inlier_fraction", least_inlier_fraction, "", kFraction,
           "times the median of the scans that passed");
+    visit("gate.max_contradicting", max_contradicting, "", kFraction,
+          "of a scan's rays, beyond the median; then other places are considered");
+    visit("gate.rival", margin, "", kFraction,
+          "of what the best place explains; by so much it must score better than others");
     visit("gate.memory", memory, "scans", Limits{5, 10000}, "that the medians are taken over");
     visit("gate.starting_slack", starting_slack, "", Limits{1, 100},
           "times the bounds while the motion is not known");
     visit("gate.max_jump", max_jump, "m", Limits{0, 100},
           "by which odometry may leave constant velocity in 0.1 s");
+    visit("gate.max_turn_jump", max_turn_jump, "rad", Limits{0, 4},
+          "by which odometry may leave constant velocity in 0.1 s");
     visit("gate.lost_after", lost_after, "scans", Limits{1, 10000}, "in a row that did not pass");
   }
   {
-    auto& [reach, turn, step, turn_step, finalists, rival] = relocation;
+    auto& [reach, turn, step, turn_step, finalists] = relocation;
     visit("relocation.reach", reach, "m", Limits{0, 1000},
           "to either side, that a lost robot is searched in");
     visit("relocation.turn", turn, "rad", Limits{0, 3.15}, "to either side");
     visit("relocation.step", step, "m", Limits{0.01, 100}, "between places that are tried");
     visit("relocation.turn_step", turn_step, "rad", Limits{0.001, 3.15}, "between headings that are tried");
     visit("relocation.finalists", finalists, "", Limits{1, 1000}, "places that are registered in full");
-    visit("relocation.rival", rival, "", kFraction,
-          "of the best place's inliers; another place that reaches it makes the pose ambiguous");
   }
 }
 
 template <class Rollback, class Visit>
 void for_each_rollback_field(Rollback& rollback, Visit&& visit) {
-  auto& [max_contradicting, max_contradicting_at_first, memory, scans] = rollback;
-  visit("rollback.max_contradicting", max_contradicting, "", kFraction,
-        "of a scan's rays, beyond the median; a scan that contradicts more is not written");
-  visit("rollback.max_contradicting_at_first", max_contradicting_at_first, "", kFraction,
-        "of a scan's rays, while there is no median");
-  visit("rollback.memory", memory, "scans", Limits{5, 10000}, "that the median is taken over");
+  auto& [scans] = rollback;
   visit("rollback.scans", scans, "scans", Limits{0, 10000},
         "whose changes are undone when the robot was lost");
 }

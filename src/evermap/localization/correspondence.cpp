@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
@@ -47,7 +48,57 @@ std::vector<Candidate> candidates(const Octree& map, std::span<const Gaussian> b
   return found;
 }
 
+/// The square of a symmetric matrix: symmetric, too, so that half of the products are enough.
+Eigen::Matrix3d square(const Eigen::Matrix3d& S) {
+  const double xx = S(0, 0), xy = S(1, 0), xz = S(2, 0), yy = S(1, 1), yz = S(2, 1), zz = S(2, 2);
+  Eigen::Matrix3d squared;
+  squared(0, 0) = xx * xx + xy * xy + xz * xz;
+  squared(1, 1) = xy * xy + yy * yy + yz * yz;
+  squared(2, 2) = xz * xz + yz * yz + zz * zz;
+  squared(0, 1) = squared(1, 0) = xy * (xx + yy) + xz * yz;
+  squared(0, 2) = squared(2, 0) = xz * (xx + zz) + xy * yz;
+  squared(1, 2) = squared(2, 1) = yz * (yy + zz) + xy * xz;
+  return squared;
+}
+
+/// How thick a leaf is along a direction [m].
+double thickness(const Leaf& leaf, const Eigen::Vector3d& normal) {
+  return std::sqrt(std::max(0.0, normal.dot(leaf.covariance_matrix() * normal)));
+}
+
+/// Whether a face stands so close in front of this one that the sensor sees that one and never this: the far
+/// face of a wall. Surveys show both.
+bool is_hidden(LeafFinder<const Octree>& finder, const VoxelGrid& grid, const Leaf& leaf,
+               const Correspondence& match, const Eigen::Vector3d& sensor_map) {
+  constexpr int kReach = 2;          // voxels: as far as scans are drawn to the wrong face
+  constexpr double kThin = 1.0 / 8;  // of an edge: what is thicker along the normal lies across it
+  constexpr double kSeparate = 4;    // times both thicknesses: else it is one surface, noise cut in two
+  const double own = thickness(leaf, match.normal);
+  if (own > kThin * grid.edge) return false;
+  const double side = match.normal.dot(sensor_map - match.mean_leaf) < 0 ? -1 : 1;
+  const Eigen::Vector3d towards = side * match.normal;
+  for (int step = 1; step <= kReach; ++step) {
+    const auto voxel = grid.voxel(match.mean_leaf + step * grid.edge * towards);
+    if (!voxel) return false;
+    const Leaf* front = finder.find(VoxelKey::from_voxel(*voxel));
+    if (front == nullptr || !front->occupied()) continue;
+    const double thick = thickness(*front, match.normal);
+    const double distance = towards.dot(front->gaussian(grid.center(*voxel)).mean - match.mean_leaf);
+    if (thick < kThin * grid.edge && distance > kSeparate * (own + thick)) return true;
+  }
+  return false;
+}
+
 }  // namespace
+
+Eigen::Vector3d stiffest_axis(const Eigen::Matrix3d& information) {
+  // Powers of M turn towards its stiffest axis. All eigenvectors would take several times as long.
+  Eigen::Matrix3d power = information / information.trace();  // so that the 24th lies between 1 and 3^-24
+  for (int doubling = 0; doubling < 3; ++doubling) power = square(power);
+  Eigen::Index column = 0;
+  power.diagonal().maxCoeff(&column);
+  return (power * (power * power.col(column))).normalized();
+}
 
 std::vector<std::optional<Correspondence>> correspond(const Octree& map,
                                                       std::span<const Gaussian> bundles_sensor,
@@ -56,20 +107,45 @@ std::vector<std::optional<Correspondence>> correspond(const Octree& map,
   bundles.reserve(bundles_sensor.size());
   for (const Gaussian& bundle : bundles_sensor) bundles.push_back(transform(T_map_sensor, bundle));
   std::vector<std::optional<Correspondence>> matches(bundles.size());
-  for (const auto& [i, voxel, leaf] : candidates(map, bundles)) {
-    if (!leaf->occupied()) continue;
+  std::vector<const Leaf*> leaves(bundles.size());  // of the matches
+  const auto consider = [&](std::size_t i, const Eigen::Vector3i& voxel, const Leaf& leaf) {
+    if (!leaf.occupied()) return;
     std::optional<Correspondence>& best = matches[i];
     const Gaussian& bundle = bundles[i];
-    const Eigen::Vector3d mean_leaf = leaf->gaussian(map.grid().center(voxel)).mean;
+    const Eigen::Vector3d mean_leaf = leaf.gaussian(map.grid().center(voxel)).mean;
     const Eigen::Vector3d residual = mean_leaf - bundle.mean;
-    const Eigen::Matrix3d covariance = leaf->covariance_matrix() + bundle.covariance;
+    const Eigen::Matrix3d covariance = leaf.covariance_matrix() + bundle.covariance;
     // No eigenvalue exceeds the trace, so this is the least that e' M e can be; it spares most inverses.
-    if (best && residual.squaredNorm() >= best->mahalanobis_squared * covariance.trace()) continue;
+    if (best && residual.squaredNorm() >= best->mahalanobis_squared * covariance.trace()) return;
     const Eigen::Matrix3d information = covariance.inverse();
     const double mahalanobis_squared = residual.dot(information * residual);
-    if (best && best->mahalanobis_squared <= mahalanobis_squared) continue;
-    const double occupancy = 1 / (1 + std::exp(-static_cast<double>(leaf->log_odds)));
-    best = {mean_leaf, information, mahalanobis_squared, occupancy};
+    if (best && best->mahalanobis_squared <= mahalanobis_squared) return;
+    const double occupancy = 1 / (1 + std::exp(-static_cast<double>(leaf.log_odds)));
+    best = {mean_leaf, information, Eigen::Vector3d::Zero(), mahalanobis_squared, occupancy};
+    leaves[i] = &leaf;
+  };
+  for (const auto& [i, voxel, leaf] : candidates(map, bundles)) consider(i, voxel, *leaf);
+  LeafFinder finder(map);
+  const auto is_seen = [&](std::size_t i) {
+    matches[i]->normal = stiffest_axis(matches[i]->information);
+    return !is_hidden(finder, map.grid(), *leaves[i], *matches[i], T_map_sensor.translation);
+  };
+  for (std::size_t i = 0; i < bundles.size(); ++i) {
+    if (!matches[i] || is_seen(i)) continue;
+    // A leaf that nobody sees does not keep the others away.
+    const Leaf* hidden = leaves[i];
+    matches[i].reset();
+    const Eigen::Vector3i voxel = *map.grid().voxel(bundles[i].mean);
+    const Eigen::Vector3d from_center = bundles[i].mean - map.grid().center(voxel);
+    for (int axis = -1; axis < 3; ++axis) {
+      const Eigen::Vector3i step =
+          axis < 0 ? Eigen::Vector3i::Zero()
+                   : Eigen::Vector3i((from_center[axis] < 0 ? -1 : 1) * Eigen::Vector3i::Unit(axis));
+      if (!VoxelKey::in_range(voxel + step)) continue;
+      const Leaf* leaf = finder.find(VoxelKey::from_voxel(voxel + step));
+      if (leaf != nullptr && leaf != hidden) consider(i, voxel + step, *leaf);
+    }
+    if (matches[i] && !is_seen(i)) matches[i].reset();
   }
   return matches;
 }

@@ -1,8 +1,14 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <numbers>
+#include <utility>
+
+#include <Eigen/Geometry>
 
 #include <evermap/localization/detail/localizer.hpp>
+#include <evermap/localization/detail/perturbation.hpp>
+#include <evermap/scan/detail/deskew.hpp>
 
 namespace evermap {
 
@@ -20,6 +26,13 @@ std::string_view to_string(TrackingState state) {
   return "lost";
 }
 
+bool Localization::is_precise() const {
+  constexpr double kShift = 0.05;                         // [m]
+  constexpr double kTurn = 0.5 * std::numbers::pi / 180;  // [rad]
+  const WeakestDirection weakest = weakest_direction(registration.covariance);
+  return weakest.sigma < (weakest.is_rotation ? kTurn : kShift);
+}
+
 Localizer::Localizer(const Pose& T_map_sensor_initial, const LidarParameters& lidar,
                      const LocalizationParameters& parameters)
     : lidar_(lidar),
@@ -32,14 +45,27 @@ Pose Localizer::predict(double time, const std::optional<Pose>& T_odom_sensor) c
   if (T_odom_sensor && last_->T_odom_sensor) {
     return last_->T_map_sensor * (last_->T_odom_sensor->inverse() * *T_odom_sensor);
   }
-  const bool moves_on = velocity_ && state_ != TrackingState::kLost;
-  return moves_on ? last_->T_map_sensor * exp(*velocity_ * (time - last_->time)) : last_->T_map_sensor;
+  if (state_ == TrackingState::kLost) return last_->T_map_sensor;
+  return last_->T_map_sensor * exp(velocity_.value_or(last_->velocity) * (time - last_->time));
 }
 
-Pose Localizer::motion(double time, const std::optional<Pose>& T_odom_sensor, double duration) const {
-  if (!last_ || time <= last_->time) return {};
-  const Twist since = log(last_->T_map_sensor.inverse() * predict(time, T_odom_sensor));
-  return exp(since * duration / (time - last_->time));
+void Localizer::begin(const Pose& T_map_sensor, double time, const std::optional<Pose>& T_odom_sensor,
+                      const std::optional<Twist>& velocity) {
+  last_ = {T_map_sensor, within(0, 0), velocity.value_or(Twist::Zero()), time, T_odom_sensor};
+  last_time_ = time;
+  velocity_ = velocity;
+}
+
+Twist Localizer::velocity_to(const Pose& T_map_sensor, const Twist& velocity,
+                             const Localization& found) const {
+  const double half = found.is_deskewed ? lidar_.scan_period / 2 : 0;
+  const Pose T_map_middle_last = last_->T_map_sensor * exp(-half * last_->velocity);
+  const Pose T_map_middle = T_map_sensor * exp(-half * velocity);
+  return log(T_map_middle_last.inverse() * T_map_middle) / (found.time - last_->time);
+}
+
+Scan Localizer::undistorted(const Scan& raw, const Twist& velocity) const {
+  return deskew(raw, exp(velocity * lidar_.scan_period), lidar_.scan_period);
 }
 
 double Localizer::slack(double time) const {
@@ -47,15 +73,28 @@ double Localizer::slack(double time) const {
   return std::max(1.0, (time - last_->time) / kPeriod);
 }
 
+bool Localizer::has_odometry(const Localization& found) const {
+  return last_ && found.T_odom_sensor && last_->T_odom_sensor && !found.odometry_jumps;
+}
+
+double Localizer::slack(const Localization& found) const {
+  if (!found.motion_is_known) return parameters_.gate.starting_slack;
+  return has_odometry(found) ? 1 : slack(found.time);  // it drifts with the way, not with time
+}
+
 bool Localizer::odometry_jumps(double time, const std::optional<Pose>& T_odom_sensor) const {
   if (!velocity_ || !last_->T_odom_sensor || !T_odom_sensor) return false;
   const Pose moved = last_->T_odom_sensor->inverse() * *T_odom_sensor;
   const Pose steady = exp(*velocity_ * (time - last_->time));
-  return (moved.translation - steady.translation).norm() > parameters_.gate.max_jump * slack(time);
+  const Twist off = difference(steady, moved);
+  const GateParameters& p = parameters_.gate;
+  return off.head<3>().norm() > p.max_jump * slack(time) ||
+         off.tail<3>().norm() > p.max_turn_jump * slack(time);
 }
 
-Localization Localizer::propose(const Octree& map, const Scan& scan, double time,
-                                const std::optional<Pose>& T_odom_sensor) const {
+Localization Localizer::propose(const Octree& map, const Scan& raw, double time,
+                                const std::optional<Pose>& T_odom_sensor, const Contradicting& contradicting,
+                                Effort effort) const {
   Localization found;
   found.time = time;
   found.T_odom_sensor = T_odom_sensor;
@@ -66,22 +105,87 @@ Localization Localizer::propose(const Octree& map, const Scan& scan, double time
   }
   found.odometry_jumps = odometry_jumps(time, T_odom_sensor);
   found.T_map_sensor_predicted = predict(time, found.odometry_jumps ? std::nullopt : T_odom_sensor);
-  const bool is_search = state_ == TrackingState::kLost;
-  found.motion_is_known = last_ && !is_search && (velocity_ || T_odom_sensor);
-  const double wide = found.motion_is_known ? slack(time) : parameters_.gate.starting_slack;
-  found.registration = register_scan(map, scan, found.T_map_sensor_predicted, wide);
+  found.is_search = state_ == TrackingState::kLost;
+  found.motion_is_known = last_ && !found.is_search && (velocity_ || (T_odom_sensor && last_->T_odom_sensor));
+  if (last_) {
+    found.velocity = log(last_->T_map_sensor.inverse() * found.T_map_sensor_predicted) / (time - last_->time);
+  }
+  found.scan = undistorted(raw, found.velocity);
+  found.is_deskewed = !raw.time_offset.empty();
+  const PoseEstimate predicted{found.T_map_sensor_predicted, uncertainty(found, time)};
+  if (found.motion_is_known && effort == Effort::kUsual) {
+    Hypothesis near{register_near(map, found.scan, predicted), found.scan, found.velocity};
+    if (!gate_.is_usual(near.registration)) undistort_again(map, raw, predicted.covariance, found, near);
+    take(near, found);
+    found.reject_reason = gate_.judge(found.registration, found.T_map_sensor_predicted, slack(found));
+  }
+  if (!found.motion_is_known || effort == Effort::kThorough || !found.passes()) {
+    consider_places(map, raw, predicted, contradicting, found);
+  }
+  if (found.passes() && is_vague(found)) found.reject_reason = RejectReason::kUnobservable;
   const bool converged = found.registration.converged();
   found.T_map_sensor = converged ? found.registration.T_map_sensor : found.T_map_sensor_predicted;
-  // A search has its own reach.
-  const Pose& expected = is_search ? found.registration.T_map_sensor : found.T_map_sensor_predicted;
-  found.reject_reason = gate_.judge(found.registration, expected, wide);
   return found;
+}
+
+bool Localizer::is_vague(const Localization& found) const {
+  constexpr double kDegree = std::numbers::pi / 180;
+  const WeakestDirection weakest = weakest_direction(found.registration.covariance);
+  if (has_odometry(found)) return weakest.sigma > (weakest.is_rotation ? 4 * kDegree : 0.4);
+  return weakest.sigma > (weakest.is_rotation ? kDegree : 0.1);  // of a velocity that may change any time
+}
+
+void Localizer::take(const Hypothesis& place, Localization& found) const {
+  found.registration = place.registration;
+  found.scan = place.scan;
+  found.velocity = place.velocity;
+  if (last_) found.motion = velocity_to(place.registration.T_map_sensor, place.velocity, found);
+}
+
+void Localizer::consider_places(const Octree& map, const Scan& raw, const PoseEstimate& predicted,
+                                const Contradicting& contradicting, Localization& found) const {
+  std::vector<Hypothesis> all =
+      found.is_search ? search(map, found) : guess_around(map, raw, predicted, found);
+  for (Hypothesis& place : all) undistort_again(map, raw, predicted.covariance, found, place);
+  all = distinct(std::move(all), lidar_.scan_period);
+  if (contradicting) {
+    for (Hypothesis& place : all) {
+      place.contradicting_fraction = contradicting(place.scan, place.registration.T_map_sensor);
+    }
+  }
+  const std::size_t best = best_of(all);
+  const bool was_measured = found.motion_is_known && all[best].velocity != found.velocity;
+  take(all[best], found);
+  if (was_measured) found.motion = found.velocity;
+  if (contradicting) found.contradicting_fraction = all[best].contradicting_fraction;
+  // A search has its own reach.
+  const Pose& expected = found.is_search ? found.registration.T_map_sensor : found.T_map_sensor_predicted;
+  found.reject_reason = gate_.judge_best(all, best, expected, slack(found));
+}
+
+void Localizer::undistort_again(const Octree& map, const Scan& raw, const Matrix6& covariance,
+                                const Localization& found, Hypothesis& place) const {
+  constexpr int kTries = 2;
+  constexpr double kTranslation = 0.03;  // [m] within a scan, which hardly matters
+  constexpr double kRotation = 0.005;    // [rad]
+  if (!found.is_deskewed || !last_ || found.is_search) return;
+  for (int i = 0; i < kTries && place.registration.converged(); ++i) {
+    const Pose& T_map_sensor = place.registration.T_map_sensor;
+    const Twist moved = velocity_to(T_map_sensor, place.velocity, found);
+    const Twist off = lidar_.scan_period * (moved - place.velocity);
+    if (off.head<3>().norm() < kTranslation && off.tail<3>().norm() < kRotation) return;
+    Hypothesis again{{}, undistorted(raw, moved), moved};
+    again.registration = register_near(map, again.scan, {T_map_sensor * exp(off / 2), covariance});
+    if (again.score() <= place.score()) return;
+    place = std::move(again);
+  }
 }
 
 void Localizer::conclude(Localization& found) {
   if (found.reject_reason != RejectReason::kTimeNotLater) last_time_ = found.time;
   if (found.passes()) {
     gate_.remember(found.registration, found.T_map_sensor_predicted, found.motion_is_known);
+    if (found.contradicting_fraction) gate_.remember_contradicting(*found.contradicting_fraction);
     pass(found);
     if (found.odometry_jumps) {  // its later steps can be followed again, from here
       state_ = TrackingState::kDegraded;
@@ -93,28 +197,86 @@ void Localizer::conclude(Localization& found) {
   found.state = state_;
 }
 
-Registration Localizer::register_scan(const Octree& map, const Scan& scan, const Pose& predicted,
-                                      double slack) const {
-  const LocalizationParameters& p = parameters_;
-  if (state_ == TrackingState::kLost) {
-    return relocate(map, scan, predicted, lidar_, p.registration, p.relocation);
+Matrix6 Localizer::uncertainty(const Localization& found, double time) const {
+  constexpr double kDegree = std::numbers::pi / 180;
+  if (!last_) return within(0.5, 5 * kDegree);
+  if (has_odometry(found)) {
+    constexpr double kDrift = 0.02;
+    const Twist moved = log(last_->T_map_sensor.inverse() * found.T_map_sensor_predicted);
+    return last_->covariance +
+           within(0.005 + kDrift * moved.head<3>().norm(), 0.1 * kDegree + kDrift * moved.tail<3>().norm());
   }
-  if (state_ == TrackingState::kTracking) {
-    const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, lidar_);
-    Registration found = register_bundles(map, bundles, predicted, p.registration);
-    if (gate_.judge(found, predicted, slack) == RejectReason::kNone) return found;
+  if (!found.motion_is_known) return last_->covariance + within(1, 5 * kDegree);
+  return last_->covariance + within(0.05 * slack(time), kDegree * slack(time));
+}
+
+Registration Localizer::register_near(const Octree& map, const Scan& scan,
+                                      const PoseEstimate& predicted) const {
+  const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, lidar_);
+  const Registration fine = register_bundles(map, bundles, predicted, parameters_.registration);
+  if (fine.converged() && fine.unobservable == 0) return fine;
+  const Registration wide = register_coarse_to_fine(map, scan, predicted, lidar_, parameters_.registration);
+  return fine.converged() && wide.unobservable >= fine.unobservable ? fine : wide;
+}
+
+std::vector<Hypothesis> Localizer::guess_around(const Octree& map, const Scan& raw,
+                                                const PoseEstimate& predicted,
+                                                const Localization& found) const {
+  constexpr double kTurn = 0.15;  // [rad] coarse to fine reaches as far, and the distortion is small
+  constexpr double kStep = 0.8;   // [m] likewise
+  CoarseToFine registration(map, found.scan, predicted.T_map_sensor.translation, lidar_,
+                            parameters_.registration);
+  std::vector<Hypothesis> places;
+  for (std::size_t views = 0; views <= registration.views(); ++views) {
+    places.push_back({registration.from(predicted, views), found.scan, found.velocity});
   }
-  return register_coarse_to_fine(map, scan, predicted, lidar_, p.registration);
+  const auto try_from = [&](double forward, double yaw, double speed) {
+    PoseEstimate guess = predicted;
+    guess.T_map_sensor.translation += guess.T_map_sensor.rotation.col(0) * forward;
+    guess.T_map_sensor.rotation =
+        Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * guess.T_map_sensor.rotation;
+    Hypothesis place{{}, found.scan, found.velocity};
+    if (found.motion_is_known) {
+      place.velocity = log(last_->T_map_sensor.inverse() * guess.T_map_sensor) / (found.time - last_->time);
+    }
+    place.velocity.x() += speed;
+    if (found.is_deskewed) {
+      place.scan = undistorted(raw, place.velocity);
+      registration.set_scan(place.scan);
+    }
+    place.registration = registration.from(guess, registration.views());
+    places.push_back(std::move(place));
+  };
+  for (const double turns : {-1, 1, -2, 2}) try_from(0, kTurn * turns, 0);
+  if (last_ && !found.motion_is_known) {
+    for (const double steps : {-1, 1, 2}) try_from(kStep * steps, 0, 0);
+  }
+  if (!last_ && found.is_deskewed) {
+    for (const double speed : {-3, 3, 6, 9, 12, 15}) try_from(0, 0, speed);
+  }
+  return places;
+}
+
+std::vector<Hypothesis> Localizer::search(const Octree& map, const Localization& found) const {
+  std::vector<Hypothesis> all;
+  for (const Registration& place : places(map, found.scan, found.T_map_sensor_predicted, lidar_,
+                                          parameters_.registration, parameters_.relocation)) {
+    all.push_back({place, found.scan, found.velocity});
+  }
+  return all;
 }
 
 void Localizer::pass(const Localization& found) {
-  const bool is_search = state_ == TrackingState::kLost;
-  velocity_.reset();
-  if (last_ && !is_search) {
-    velocity_ = log(last_->T_map_sensor.inverse() * found.T_map_sensor) / (found.time - last_->time);
+  const std::optional<Twist> before = std::exchange(velocity_, std::nullopt);
+  if (last_ && !found.is_search) {
+    // What scans without a word about some direction left open was not driven since the last alone.
+    const double share = 1.0 / (1 + unobservable_);
+    velocity_ = before ? Twist(*before + share * (found.motion - *before)) : found.motion;
   }
-  last_ = {found.T_map_sensor, found.time, found.T_odom_sensor};
+  last_ = {found.T_map_sensor, found.registration.covariance, found.velocity, found.time,
+           found.T_odom_sensor};
   failed_ = 0;
+  unobservable_ = found.registration.unobservable > 0 ? unobservable_ + 1 : 0;
   state_ = found.motion_is_known ? TrackingState::kTracking : TrackingState::kStarting;
 }
 

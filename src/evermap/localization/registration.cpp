@@ -4,7 +4,7 @@
 #include <cmath>
 #include <span>
 
-#include <Eigen/LU>
+#include <Eigen/Eigenvalues>
 
 #include <evermap/geometry/detail/for_each_index.hpp>
 #include <evermap/localization/detail/coarse_map.hpp>
@@ -68,8 +68,8 @@ std::vector<Gaussian> thinned(const std::vector<Gaussian>& bundles, std::size_t 
 }
 
 /// Moves the pose by one Gauss-Newton step, and returns it.
-Twist move(Registration& at, const NormalEquations& equations, double damping) {
-  Twist step = solve(equations, damping);
+Twist move(Registration& at, const NormalEquations& equations, const Directions& directions, double damping) {
+  Twist step = solve(equations, directions, damping);
   at.T_map_sensor = perturb(at.T_map_sensor, step);
   ++at.iterations;
   return step;
@@ -77,7 +77,7 @@ Twist move(Registration& at, const NormalEquations& equations, double damping) {
 
 /// Matches and moves until the pose rests under the narrow kernel; false when it does not.
 bool search(Registration& at, const Octree& map, const std::vector<Gaussian>& bundles_sensor,
-            const RegistrationParameters& parameters) {
+            const Directions& directions, const RegistrationParameters& parameters) {
   RobustKernel kernel{parameters.first_kernel_width};
   Factors factors;
   Pose T_map_matched;
@@ -88,7 +88,7 @@ bool search(Registration& at, const Octree& map, const std::vector<Gaussian>& bu
       factors = match(map, bundles_sensor, T_map_matched);
     }
     const NormalEquations equations = linearize(factors, bundles_sensor, at.T_map_sensor, kernel);
-    const Twist step = move(at, equations, parameters.damping);
+    const Twist step = move(at, equations, directions, parameters.damping);
     settled = kernel.width == parameters.last_kernel_width && parameters.termination.is_settled(step);
     kernel.width = std::max(kernel.width / 2, parameters.last_kernel_width);
   }
@@ -97,14 +97,14 @@ bool search(Registration& at, const Octree& map, const std::vector<Gaussian>& bu
 
 /// Moves by the last millimetres. Returns the equations of the last step.
 NormalEquations refine(Registration& at, const Octree& map, const std::vector<Gaussian>& bundles_sensor,
-                       const RegistrationParameters& parameters) {
+                       const Directions& directions, const RegistrationParameters& parameters) {
   constexpr int kSteps = 2;  // weighed anew in each; a third gains 3 %
   const RobustKernel kernel{parameters.last_kernel_width};
   const Factors factors = match(map, bundles_sensor, at.T_map_sensor);
   NormalEquations equations;
   for (int i = 0; i < kSteps; ++i) {
     equations = linearize(factors, bundles_sensor, at.T_map_sensor, kernel);
-    move(at, equations, parameters.damping);
+    move(at, equations, directions, parameters.damping);
   }
   return equations;
 }
@@ -115,11 +115,62 @@ double root_mean_square_range(const std::vector<Gaussian>& bundles_sensor) {
   return std::sqrt(sum / static_cast<double>(bundles_sensor.size()));
 }
 
+/// How far the scan, moved along `direction` by a good half of a leaf, is drawn back: 1, all the way; 0, it
+/// fits there as well.
+double response(const Octree& map, const std::vector<Gaussian>& bundles_sensor, const Pose& T_map_sensor,
+                const Twist& direction, const RobustKernel& kernel) {
+  double pull = 0;
+  double stiffness = 0;
+  for (const double leaves : {-0.75, -0.5, 0.5, 0.75}) {
+    const Twist shift = leaves * map.grid().edge * direction;
+    const Pose T_map_shifted = perturb(T_map_sensor, shift);
+    const NormalEquations equations =
+        linearize(match(map, bundles_sensor, T_map_shifted), bundles_sensor, T_map_shifted, kernel);
+    pull += shift.dot(equations.gradient);
+    stiffness += shift.dot(equations.hessian * shift);
+  }
+  return stiffness > 0 ? pull / stiffness : 0;
+}
+
+/// What surfaces say about the pose. Noise tilts the normals of a wall, so that it seems to say something
+/// along itself. Where little is said, the scan is therefore moved to where the noise is another: only what
+/// draws it back is real.
+Matrix6 information(const NormalEquations& equations, const Octree& map,
+                    const std::vector<Gaussian>& bundles_sensor, const Pose& T_map_sensor,
+                    const RegistrationParameters& parameters) {
+  constexpr double kLittle = 0.05;  // of the mean direction's; endless corridors reach 0.02
+  constexpr double kLeastResponse =
+      0.2;                        // the ends of a corridor in sight draw by 0.26 or more, noise by 0.1
+  constexpr double kVague = 0.1;  // [m] standard deviation: what says no more is not worth the doubt
+  if (equations.inliers == 0) return Matrix6::Zero();
+  const double lever = root_mean_square_range(bundles_sensor);
+  const Twist units = (Twist() << 1, 1, 1, 1 / lever, 1 / lever, 1 / lever).finished();
+  const Matrix6 scaled = units.asDiagonal() * equations.hessian * units.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(scaled);
+  const RobustKernel kernel{parameters.first_kernel_width};
+  Twist real = eigen.eigenvalues().cwiseMax(0);
+  for (int i = 0; i < 6 && real[i] < kLittle * eigen.eigenvalues().mean(); ++i) {
+    const Twist direction = units.cwiseProduct(eigen.eigenvectors().col(i));
+    const bool is_vague = equations.mean_inlier_error() > kVague * kVague * real[i];
+    const bool is_real =
+        !is_vague && response(map, bundles_sensor, T_map_sensor, direction, kernel) > kLeastResponse;
+    if (!is_real) real[i] = 0;
+  }
+  const Matrix6 per_unit = eigen.eigenvectors() * real.asDiagonal() * eigen.eigenvectors().transpose();
+  const Twist inverse = units.cwiseInverse();
+  return inverse.asDiagonal() * per_unit * inverse.asDiagonal() / equations.mean_inlier_error();
+}
+
+/// How far leaves of this edge may mislead: the faces of a wall may lie in one.
+Matrix6 systematic(double edge) {
+  constexpr double kLever = 10;  // [m]
+  return within(edge / 20, edge / 20 / kLever);
+}
+
 RejectReason judge(const Registration& registration, std::size_t matched, bool settled,
                    const RegistrationParameters& parameters) {
   if (matched < parameters.least_matches) return RejectReason::kTooFewMatches;
   if (registration.inlier_fraction < parameters.least_inlier_fraction) return RejectReason::kTooFewInliers;
-  if (registration.weakest.fraction < parameters.least_observability) return RejectReason::kUnobservable;
   return settled ? RejectReason::kNone : RejectReason::kNoConvergence;
 }
 
@@ -136,31 +187,86 @@ std::vector<Gaussian> bundles_in_sensor_frame(const Scan& scan, double edge, con
 }
 
 Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
-                              const Pose& T_map_sensor_guess, const RegistrationParameters& parameters) {
+                              const PoseEstimate& guess, const RegistrationParameters& parameters) {
   Registration result;
-  result.T_map_sensor = T_map_sensor_guess;
+  result.T_map_sensor = guess.T_map_sensor;
+  result.covariance = guess.covariance;
   if (bundles_sensor.size() < parameters.least_matches) return result;
-  const bool settled = search(result, map, thinned(bundles_sensor, parameters.first_bundles), parameters);
-  const NormalEquations equations = refine(result, map, bundles_sensor, parameters);
-  result.weakest = observability(equations.hessian, root_mean_square_range(bundles_sensor));
-  result.inlier_fraction =
-      static_cast<double>(equations.inliers) / static_cast<double>(bundles_sensor.size());
-  result.residual = equations.inlier_error / std::max(1.0, static_cast<double>(equations.inliers));
+  const std::vector<Gaussian> first = thinned(bundles_sensor, parameters.first_bundles);
+  Directions directions = Matrix6::Identity();
+  bool settled = search(result, map, first, directions, parameters);
+  NormalEquations equations = refine(result, map, bundles_sensor, directions, parameters);
+  const Knowledge known =
+      learn(information(equations, map, first, result.T_map_sensor, parameters), guess.covariance);
+  if (known.directions.cols() < 6) {  // again, in these alone
+    directions = known.directions;
+    result.T_map_sensor = guess.T_map_sensor;
+    result.iterations = 0;
+    settled = search(result, map, first, directions, parameters);
+    equations = refine(result, map, bundles_sensor, directions, parameters);
+  }
+  result.covariance = known.covariance;
+  result.unobservable = 6 - static_cast<int>(known.directions.cols());
+  const auto matched = static_cast<double>(equations.matched);
+  result.matched_fraction = matched / static_cast<double>(bundles_sensor.size());
+  result.inlier_fraction = static_cast<double>(equations.inliers) / std::max(1.0, matched);
+  result.residual = equations.mean_inlier_error();
   result.reject_reason = judge(result, equations.matched, settled, parameters);
-  if (result.converged()) result.covariance = equations.hessian.inverse() * result.residual;
   return result;
 }
 
-Registration register_coarse_to_fine(const Octree& map, const Scan& scan, const Pose& T_map_sensor_guess,
-                                     const LidarParameters& lidar, const RegistrationParameters& parameters) {
-  Pose T_map_sensor = T_map_sensor_guess;
-  const std::vector<Octree> views = coarse_views(map, T_map_sensor.translation);
-  for (auto view = views.rbegin(); view != views.rend(); ++view) {
-    const auto bundles = bundles_in_sensor_frame(scan, view->grid().edge, lidar, parameters.first_bundles);
-    T_map_sensor = register_bundles(*view, bundles, T_map_sensor, parameters).T_map_sensor;
+CoarseToFine::CoarseToFine(const Octree& map, const Scan& scan, const Eigen::Vector3d& center_map,
+                           const LidarParameters& lidar, const RegistrationParameters& parameters)
+    : map_(&map), lidar_(lidar), parameters_(parameters), views_(coarse_views(map, center_map)) {
+  set_scan(scan);
+}
+
+void CoarseToFine::set_scan(const Scan& scan) {
+  bundles_ = bundles_in_sensor_frame(scan, map_->grid().edge, lidar_);
+  wider_.clear();
+  for (const Octree& view : views_) {
+    wider_.push_back(bundles_in_sensor_frame(scan, view.grid().edge, lidar_, parameters_.first_bundles));
   }
-  const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, lidar);
-  return register_bundles(map, bundles, T_map_sensor, parameters);
+}
+
+Registration CoarseToFine::from(const PoseEstimate& guess, std::size_t views) const {
+  Registration best;
+  PoseEstimate known = guess;
+  const auto go_on = [&](const Octree& view, const std::vector<Gaussian>& bundles) {
+    const Registration next = register_bundles(view, bundles, known, parameters_);
+    if (!next.converged() && best.converged()) return;
+    best = next;
+    known = {next.T_map_sensor, next.covariance + systematic(view.grid().edge)};
+  };
+  for (std::size_t i = std::min(views, views_.size()); i-- > 0;) go_on(views_[i], wider_[i]);
+  go_on(*map_, bundles_);
+  return best;
+}
+
+Registration register_coarse_to_fine(const Octree& map, const Scan& scan, const PoseEstimate& guess,
+                                     const LidarParameters& lidar, const RegistrationParameters& parameters) {
+  const CoarseToFine registration(map, scan, guess.T_map_sensor.translation, lidar, parameters);
+  return registration.from(guess, registration.views());
+}
+
+double least_mapping_edge(const Scan& scan, const LidarParameters& lidar) {
+  constexpr double kLeast = 0.8;  // [m]
+  constexpr double kMost = 3.2;   // [m]
+  constexpr double kLeastPatches = 0.25;
+  const auto fraction_of_patches = [&](double edge) {
+    double all = 0;
+    double patches = 0;
+    for (const Gaussian& bundle : bundles_in_sensor_frame(scan, edge, lidar)) {
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(bundle.covariance, Eigen::EigenvaluesOnly);
+      const bool is_patch = bundle.count >= 4 && std::sqrt(eigen.eigenvalues()[1]) > edge / 12;
+      all += std::sqrt(bundle.count);
+      patches += is_patch ? std::sqrt(bundle.count) : 0;
+    }
+    return all > 0 ? patches / all : 1;
+  };
+  double edge = kLeast;
+  while (edge < kMost && fraction_of_patches(edge) < kLeastPatches) edge *= 2;
+  return edge;
 }
 
 }  // namespace evermap

@@ -47,8 +47,6 @@ double score(const Octree& map, const std::vector<Gaussian>& bundles_sensor, con
   return sum;
 }
 
-bool is_one_place(const Pose& a, const Pose& b) { return (a.translation - b.translation).norm() < kOnePlace; }
-
 /// The best tries that are not neighbours of better ones.
 std::vector<Pose> finalists(std::vector<Try> tries, int count) {
   std::stable_sort(tries.begin(), tries.end(), [](const Try& a, const Try& b) { return a.score > b.score; });
@@ -63,25 +61,11 @@ std::vector<Pose> finalists(std::vector<Try> tries, int count) {
   return best;
 }
 
-/// The best of the registrations, unless another place is about as good.
-Registration winner(std::vector<Registration> found, double rival) {
-  const auto is_better = [](const Registration& a, const Registration& b) {
-    return std::pair(a.converged(), a.inlier_fraction) < std::pair(b.converged(), b.inlier_fraction);
-  };
-  Registration best = *std::max_element(found.begin(), found.end(), is_better);
-  const bool has_rival = std::any_of(found.begin(), found.end(), [&](const Registration& other) {
-    return other.converged() && other.inlier_fraction > rival * best.inlier_fraction &&
-           !is_one_place(other.T_map_sensor, best.T_map_sensor);
-  });
-  if (best.converged() && has_rival) best.reject_reason = RejectReason::kAmbiguous;
-  return best;
-}
-
 }  // namespace
 
-Registration relocate(const Octree& map, const Scan& scan, const Pose& T_map_sensor_last,
-                      const LidarParameters& lidar, const RegistrationParameters& registration,
-                      const RelocationParameters& parameters) {
+std::vector<Registration> places(const Octree& map, const Scan& scan, const Pose& T_map_sensor_last,
+                                 const LidarParameters& lidar, const RegistrationParameters& registration,
+                                 const RelocationParameters& parameters) {
   const std::vector<Octree> views = coarse_views(map, T_map_sensor_last.translation);
   const auto coarse = std::find_if(views.begin(), views.end(),
                                    [](const Octree& view) { return view.grid().edge >= kCoarseEdge; });
@@ -92,9 +76,9 @@ Registration relocate(const Octree& map, const Scan& scan, const Pose& T_map_sen
                  [&](std::size_t i) { tries[i].score = score(view, bundles, tries[i].T_map_sensor); });
   std::vector<Registration> found;
   for (const Pose& start : finalists(std::move(tries), parameters.finalists)) {
-    found.push_back(register_coarse_to_fine(map, scan, start, lidar, registration));
+    found.push_back(register_coarse_to_fine(map, scan, {start}, lidar, registration));
   }
-  return winner(std::move(found), parameters.rival);
+  return found;
 }
 
 }  // namespace evermap

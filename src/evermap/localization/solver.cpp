@@ -6,12 +6,12 @@
 
 namespace evermap {
 
-Twist solve(const NormalEquations& equations, double damping) {
-  Matrix6 damped = equations.hessian;
+Twist solve(const NormalEquations& equations, const Directions& directions, double damping) {
+  Eigen::MatrixXd damped = directions.transpose() * equations.hessian * directions;
   damped.diagonal() *= 1 + damping;
-  const Eigen::LDLT<Matrix6> factorized(damped);
+  const Eigen::LDLT<Eigen::MatrixXd> factorized(damped);
   if (factorized.info() != Eigen::Success || !factorized.isPositive()) return Twist::Zero();
-  const Twist step = -factorized.solve(equations.gradient);
+  const Twist step = -directions * factorized.solve(directions.transpose() * equations.gradient);
   return step.allFinite() ? step : Twist::Zero();
 }
 

@@ -4,12 +4,10 @@
 #include <mutex>
 #include <utility>
 
-#include <evermap/geometry/detail/running_median.hpp>
 #include <evermap/localization/detail/localizer.hpp>
 #include <evermap/maintenance/detail/point_counts.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
 #include <evermap/map/detail/leaf_finder.hpp>
-#include <evermap/scan/detail/deskew.hpp>
 #include <evermap/update/detail/map_updater.hpp>
 #include <evermap/update/detail/rollback.hpp>
 #include <evermap/update/detail/viewpoint.hpp>
@@ -37,41 +35,41 @@ class MapMaintainer::Loop {
         mode_(mode),
         localizer_(T_map_sensor_initial, parameters.lidar, parameters.localization),
         viewpoint_(parameters.update.standstill),
-        rollback_(static_cast<std::size_t>(parameters.rollback.scans)),
-        usual_contradicting_(static_cast<std::size_t>(parameters.rollback.memory)) {}
+        rollback_(static_cast<std::size_t>(parameters.rollback.scans)) {}
 
   ScanResult process(const Scan& raw, double time, const std::optional<Pose>& T_odom_sensor) {
     ScanResult result;
-    const Scan scan = timed(result.times.locate, [&] {
-      const double period = parameters_.lidar.scan_period;
-      return deskew(raw, localizer_.motion(time, T_odom_sensor, period), period);
-    });
-    result.points = count_points(scan, {});                 // as long as it is not condensed
+    result.points = count_points(raw, {});                  // as long as it is not condensed
     if (map_.empty() && mode_ != MapMode::kLocalization) {  // the first scan lies where it is put
-      write(scan, localizer_.predict(time, T_odom_sensor), result, &Loop::add_to_map);
+      first_ = First{raw, localizer_.predict(time, T_odom_sensor), time, T_odom_sensor};
+      begin_map(raw, std::nullopt, result);
       result.state = TrackingState::kStarting;
       return result;
     }
-    Localization found =
-        timed(result.times.locate, [&] { return localizer_.propose(map_, scan, time, T_odom_sensor); });
-    if (found.is_writable() && mode_ != MapMode::kLocalization) {
-      write(scan, found.T_map_sensor, result,
-            mode_ == MapMode::kMapping ? &Loop::add_to_map : &Loop::update_if_plausible);
-      found.reject_reason = result.reject_reason;
+    Localization found = locate(raw, time, T_odom_sensor, Effort::kUsual, result);
+    if (first_ && found.passes()) {
+      begin_map(localizer_.undistorted(first_->raw, found.motion), found.motion, result);
+      first_.reset();
+      found = locate(raw, time, T_odom_sensor, Effort::kUsual, result);
     }
+    const auto write_found = [&](auto change) {
+      if (!found.is_writable() || (mode_ == MapMode::kMaintenance && !found.is_precise())) return;
+      write(found.scan, found.T_map_sensor, result, change);
+      found.reject_reason = result.reject_reason;
+    };
+    if (mode_ == MapMode::kMapping) write_found(&Loop::add_to_map);
+    if (mode_ == MapMode::kMaintenance) write_found(&Loop::update_if_usual);
+    if (found.reject_reason == RejectReason::kContradictsMap) {  // is the map outdated, or the pose wrong?
+      result.reject_reason = RejectReason::kNone;
+      found = locate(raw, time, T_odom_sensor, Effort::kThorough, result);
+      write_found(&Loop::update_reversibly);
+    }
+    if (result.contradicting_fraction) found.contradicting_fraction = result.contradicting_fraction;
     const TrackingState before = localizer_.state();
     localizer_.conclude(found);
     if (found.state == TrackingState::kLost && before != TrackingState::kLost)
       result.rolled_back = roll_back();
-    result.T_map_sensor = found.T_map_sensor;
-    result.state = found.state;
-    result.reject_reason = found.reject_reason;
-    result.covariance = found.registration.covariance;
-    if (found.reject_reason == RejectReason::kUnobservable) {
-      result.unobservable = to_string(found.registration.weakest);
-    }
-    result.inlier_fraction = found.registration.inlier_fraction;
-    result.residual = found.registration.residual;
+    tell(found, result);
     return result;
   }
 
@@ -99,6 +97,52 @@ class MapMaintainer::Loop {
   TrackingState state() const { return localizer_.state(); }
 
  private:
+  /// The scan that a map began with, until the next tells how the sensor moved in it.
+  struct First {
+    Scan raw;
+    Pose T_map_sensor;
+    double time;  ///< [s]
+    std::optional<Pose> T_odom_sensor;
+  };
+
+  /// Makes a map of the first scan alone.
+  void begin_map(const Scan& scan, const std::optional<Twist>& velocity, ScanResult& result) {
+    {
+      const std::lock_guard lock(changing_);
+      map_ = Octree(map_.grid());
+    }
+    const double edge = least_mapping_edge(scan, parameters_.lidar);
+    wide_map_.reset();
+    if (mode_ == MapMode::kMapping && edge > map_.grid().edge) wide_map_ = Octree(VoxelGrid{edge});
+    write(scan, first_->T_map_sensor, result, &Loop::add_to_map);
+    localizer_.begin(first_->T_map_sensor, first_->time, first_->T_odom_sensor, velocity);
+  }
+
+  Localization locate(const Scan& scan, double time, const std::optional<Pose>& T_odom_sensor, Effort effort,
+                      ScanResult& result) {
+    const auto contradicting = [&](const Scan& there, const Pose& T_map_sensor) {
+      const BundleGrid bundles = condense(there, T_map_sensor, map_.grid(), parameters_.lidar);
+      return contradicting_fraction(trace(map_, bundles, parameters_.update), bundles);
+    };
+    return timed(result.times.locate, [&] {
+      return localizer_.propose(wide_map_ ? *wide_map_ : map_, scan, time, T_odom_sensor, contradicting,
+                                effort);
+    });
+  }
+
+  static void tell(const Localization& found, ScanResult& result) {
+    result.T_map_sensor = found.T_map_sensor;
+    result.state = found.state;
+    result.reject_reason = found.reject_reason;
+    result.covariance = found.registration.covariance;
+    if (found.registration.unobservable > 0) {
+      result.unobservable = to_string(weakest_direction(found.registration.covariance));
+    }
+    result.inlier_fraction = found.registration.explained_fraction();
+    result.residual = found.registration.residual;
+    result.contradicting_fraction = found.contradicting_fraction;
+  }
+
   /// Gives the map the scan's bundles, unless it has none or `change` rejects them.
   void write(const Scan& scan, const Pose& T_map_sensor, ScanResult& result,
              void (Loop::*change)(const BundleGrid&, ScanResult&)) {
@@ -109,6 +153,8 @@ class MapMaintainer::Loop {
     if (bundles.bundles().empty()) result.reject_reason = RejectReason::kNoUsablePoint;
     if (result.reject_reason == RejectReason::kNone) (this->*change)(bundles, result);
     result.is_written = result.reject_reason == RejectReason::kNone;
+    if (!result.is_written || !wide_map_) return;
+    add(*wide_map_, condense(scan, T_map_sensor, wide_map_->grid(), parameters_.lidar), parameters_.update);
   }
 
   void add_to_map(const BundleGrid& bundles, ScanResult& result) {
@@ -120,19 +166,22 @@ class MapMaintainer::Loop {
     apply_changes(result, [&] { return apply_evidence(bundles, evidence, result); });
   }
 
-  /// Updates the map with a scan whose pose was found: not when it contradicts too much of the map, and in a
-  /// way that can be undone.
-  void update_if_plausible(const BundleGrid& bundles, ScanResult& result) {
+  /// Updates the map with a scan whose pose was found, unless it contradicts more of the map than usual.
+  void update_if_usual(const BundleGrid& bundles, ScanResult& result) {
     const Evidence evidence = trace_rays(bundles, result);
     result.contradicting_fraction = contradicting_fraction(evidence, bundles);
-    const RollbackParameters& p = parameters_.rollback;
-    const double most = usual_contradicting_.is_known() ? p.max_contradicting + usual_contradicting_.value()
-                                                        : p.max_contradicting_at_first;
-    if (result.contradicting_fraction > most) {
+    if (localizer_.is_contradicting(*result.contradicting_fraction)) {
       result.reject_reason = RejectReason::kContradictsMap;
-      return;
+    } else {
+      apply_reversibly(bundles, evidence, result);
     }
-    usual_contradicting_.push(result.contradicting_fraction);
+  }
+
+  void update_reversibly(const BundleGrid& bundles, ScanResult& result) {
+    apply_reversibly(bundles, trace_rays(bundles, result), result);
+  }
+
+  void apply_reversibly(const BundleGrid& bundles, const Evidence& evidence, ScanResult& result) {
     apply_changes(result, [&] {
       rollback_.begin_scan();
       LeafFinder leaves(std::as_const(map_));
@@ -168,12 +217,13 @@ class MapMaintainer::Loop {
 
   mutable std::mutex changing_;  ///< held while map_ changes or is copied by a reader
   Octree map_;
+  std::optional<Octree> wide_map_;  ///< what scans are registered to, where these scans make the map
   Parameters parameters_;
   MapMode mode_;
   Localizer localizer_;
+  std::optional<First> first_;
   Viewpoint viewpoint_;
   Rollback rollback_;
-  RunningMedian usual_contradicting_;
 };
 
 MapMaintainer::MapMaintainer(Octree map, const Parameters& parameters, MapMode mode,

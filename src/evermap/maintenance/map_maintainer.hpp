@@ -21,9 +21,9 @@ enum class MapMode {
 
 /// The closed loop: localizes a LiDAR in a map and keeps the map true with its scans, one by one.
 ///
-///   scan --deskew--> register --gate--> condense --trace--> guard --> apply
-///            ^          |                                                |
-///            +----------+----------------- the better map <--------------+
+///   scan --> deskew, register --gate--> condense --trace--> guard --> apply
+///                    ^                                                   |
+///                    +----------------- the better map <-----------------+
 ///
 /// A pose that is not believed is not written, and what the last scans changed is undone, bit for bit, when
 /// the robot turns out to be lost.

@@ -10,11 +10,7 @@ namespace evermap {
 
 /// How a map is protected from scans whose poses nobody vouches for.
 struct RollbackParameters {
-  double max_contradicting = 0.15;          ///< fraction of a scan's rays, beyond the median of those before,
-                                            ///< that may contradict the map; a scan of more is not written
-  double max_contradicting_at_first = 0.5;  ///< likewise while there is no median: the map may be outdated
-  int memory = 51;                          ///< [scans] that the median is taken over
-  int scans = 20;                           ///< [scans] whose changes are undone when the robot was lost
+  int scans = 20;  ///< [scans] whose changes are undone when the robot was lost
 };
 
 /// All that governs evermap; `evermap config` prints each with its unit, range and default.

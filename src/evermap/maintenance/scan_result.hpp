@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include <Eigen/Core>
@@ -45,7 +46,7 @@ struct ScanResult {
   std::string unobservable;    ///< the direction that nothing tells, in words; empty when there is none
   double inlier_fraction = 0;  ///< of the scan's bundles
   double residual = 0;         ///< mean squared Mahalanobis distance of these
-  double contradicting_fraction = 0;  ///< of the scan's rays; 0 when they were not traced
+  std::optional<double> contradicting_fraction;  ///< of the scan's rays; none when they were not traced
 
   bool is_written = false;          ///< whether the map has the scan
   std::size_t leaves_occupied = 0;  ///< leaves that became occupied

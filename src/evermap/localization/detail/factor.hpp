@@ -3,16 +3,16 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include <Eigen/Core>
 
 #include <evermap/geometry/pose.hpp>
 #include <evermap/localization/detail/correspondence.hpp>
+#include <evermap/localization/detail/observability.hpp>
 #include <evermap/localization/detail/robust_kernel.hpp>
 
 namespace evermap {
-
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 /// What bundles say about the pose: minimize the sum of w e' N e with N = stiffness normal normal'
 /// and w = trust times the robust kernel, linearized in the twist of perturb().
@@ -24,6 +24,7 @@ struct NormalEquations {
   double inlier_error = 0;            ///< sum of their squared Mahalanobis distances
 
   NormalEquations& operator+=(const NormalEquations& other);
+  double mean_inlier_error() const;
 };
 
 /// J' n = d(n'e)/dtwist, of e = mu_V - mu_R along `normal` n, with J = [-I, [r]x] and r = mu_R - t, which is
@@ -39,9 +40,8 @@ Twist jacobian(const Eigen::Vector3d& normal, const Eigen::Vector3d& from_sensor
 /// missed 1 cm or 0.1 degree; with this, none of 1000.
 struct Factor {
   Correspondence match;
-  Eigen::Vector3d normal;  ///< M's stiffest axis, the better the stiffer it is
-  double stiffness;        ///< lambda_3 - lambda_2 of M's eigenvalues [1/m^2]
-  double trust;            ///< sqrt(n_R) times the leaf's occupancy
+  double stiffness;  ///< lambda_3 - lambda_2 of M's eigenvalues [1/m^2]
+  double trust;      ///< sqrt(n_R) times the leaf's occupancy
 
   /// Adds what this factor says when the bundle's mean is `mean_map` [m]; `from_sensor` [m] leads there from
   /// the sensor, in the map's axes.
@@ -49,7 +49,8 @@ struct Factor {
               const RobustKernel& kernel) const;
 };
 
-/// REQUIRES: the bundle has `count` points.
-Factor make_factor(const Correspondence& match, double count);
+/// REQUIRES: the bundle has `count` points. None when they lie on a line with the leaf's, no wider than the
+/// noise of returns: then they were cut from the surface by the beams, and tell where the beams are.
+std::optional<Factor> make_factor(const Correspondence& match, double count);
 
 }  // namespace evermap

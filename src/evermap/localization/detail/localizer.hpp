@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <vector>
 
 #include <evermap/localization/detail/gate.hpp>
 #include <evermap/localization/detail/registration.hpp>
@@ -22,12 +24,29 @@ struct Localization {
   double time = 0;                    ///< [s] when the scan ended
   std::optional<Pose> T_odom_sensor;  ///< what odometry said then
   Pose T_map_sensor_predicted;
-  bool motion_is_known = false;  ///< the prediction came from odometry or from a known velocity
-  bool odometry_jumps = false;   ///< and is therefore not followed
+  Scan scan;                       ///< deskewed, its points all as of `time`
+  Twist velocity = Twist::Zero();  ///< [m/s, rad/s] in the sensor's frame, by which it was deskewed
+  bool is_deskewed = false;        ///< it had times
+  Twist motion = Twist::Zero();    ///< [m/s, rad/s] since the last fix, or in this scan where it told
+  bool is_search = false;          ///< the robot was lost before
+  bool motion_is_known = false;    ///< the prediction came from odometry or from a known velocity
+  bool odometry_jumps = false;     ///< and is therefore not followed
+  std::optional<double> contradicting_fraction;  ///< of the scan's rays there, where they were counted
 
   bool passes() const { return reject_reason == RejectReason::kNone; }
-  /// Whether the scan may be written into the map at this pose.
+  /// Whether the scan may be written into a map that it extends.
   bool is_writable() const { return passes() && motion_is_known && !odometry_jumps; }
+  /// Whether it may be written into a map that it is to correct: its pose must be known in every direction.
+  bool is_precise() const;
+};
+
+/// How much of the map a scan contradicts at a pose; see contradicting_fraction().
+using Contradicting = std::function<double(const Scan& scan, const Pose& T_map_sensor)>;
+
+/// How many places are considered for a scan.
+enum class Effort {
+  kUsual,     ///< one, the predicted, unless it is in doubt
+  kThorough,  ///< several
 };
 
 /// Follows a sensor through a map, scan by scan: predict, register, gate.
@@ -45,13 +64,23 @@ class Localizer {
   /// constant velocity without.
   Pose predict(double time, const std::optional<Pose>& T_odom_sensor) const;
 
-  /// How the sensor moves, by the same lights, in the `duration` [s] before `time`: what deskew needs.
-  Pose motion(double time, const std::optional<Pose>& T_odom_sensor, double duration) const;
+  /// Where the map began: a scan whose pose is given, and the velocity then, where known.
+  void begin(const Pose& T_map_sensor, double time, const std::optional<Pose>& T_odom_sensor,
+             const std::optional<Twist>& velocity = std::nullopt);
 
-  /// Registers a scan, its points all as of `time` [s] (see deskew), and lets the gate judge it. With
-  /// odometry, it is to be given for each.
-  Localization propose(const Octree& map, const Scan& scan, double time,
-                       const std::optional<Pose>& T_odom_sensor) const;
+  /// A scan whose sensor moved at `velocity` [m/s, rad/s], as if it had been taken at once at its end.
+  Scan undistorted(const Scan& raw, const Twist& velocity) const;
+
+  /// Registers a scan that ended at `time` [s], deskewed by the motion that was found, and lets the gate
+  /// judge it. With odometry, it is to be given for each. At the start, when lost and when in doubt several
+  /// places are considered; with `contradicting`, the rays have a say, too: a scan that is taken for lying
+  /// behind a wall shoots through it.
+  Localization propose(const Octree& map, const Scan& raw, double time,
+                       const std::optional<Pose>& T_odom_sensor, const Contradicting& contradicting = {},
+                       Effort effort = Effort::kUsual) const;
+
+  /// Whether so many contradictions are unusual.
+  bool is_contradicting(double fraction) const { return gate_.is_contradicting(fraction); }
 
   /// Takes what was proposed; a caller who does not believe it has set its reject reason before. Sets its
   /// state, and its reject reason when the pose is believed but not the odometry.
@@ -63,15 +92,38 @@ class Localizer {
   /// A pose that passed the gate, and when.
   struct Fix {
     Pose T_map_sensor;
-    double time;  ///< [s]
+    Matrix6 covariance;
+    Twist velocity;  ///< [m/s, rad/s] in the sensor's frame, by which the scan was deskewed
+    double time;     ///< [s]
     std::optional<Pose> T_odom_sensor;
   };
 
   /// How much wider the gate is for a prediction over more than one period. REQUIRES: there was a fix.
   double slack(double time) const;
+  double slack(const Localization& found) const;
+  /// How the sensor moved [m/s, rad/s] since the last fix, to a pose of a scan deskewed by `velocity`; from
+  /// the middle of the one scan to the middle of the other. There, a scan is registered however wrong it was
+  /// deskewed; velocities from one end to the next would swing up.
+  Twist velocity_to(const Pose& T_map_sensor, const Twist& velocity, const Localization& found) const;
   bool odometry_jumps(double time, const std::optional<Pose>& T_odom_sensor) const;
-  /// What is near is tried first, and what reaches farther when the gate does not like it.
-  Registration register_scan(const Octree& map, const Scan& scan, const Pose& predicted, double slack) const;
+  /// Whether the prediction is the odometry's.
+  bool has_odometry(const Localization& found) const;
+  /// Whether some direction is known too badly for the pose to be of use.
+  bool is_vague(const Localization& found) const;
+  /// How well the prediction is known.
+  Matrix6 uncertainty(const Localization& found, double time) const;
+  Registration register_near(const Octree& map, const Scan& scan, const PoseEstimate& predicted) const;
+  /// From all that the scan may look like from the prediction on: turns, speeds, wide and narrow views.
+  std::vector<Hypothesis> guess_around(const Octree& map, const Scan& raw, const PoseEstimate& predicted,
+                                       const Localization& found) const;
+  std::vector<Hypothesis> search(const Octree& map, const Localization& found) const;
+  /// Chooses among several places.
+  void consider_places(const Octree& map, const Scan& raw, const PoseEstimate& predicted,
+                       const Contradicting& contradicting, Localization& found) const;
+  void take(const Hypothesis& place, Localization& found) const;
+  /// Where the sensor did not move as predicted, deskews by how it moved, and registers once more.
+  void undistort_again(const Octree& map, const Scan& raw, const Matrix6& covariance,
+                       const Localization& found, Hypothesis& place) const;
   void pass(const Localization& found);
   void fail();
 
@@ -84,6 +136,7 @@ class Localizer {
   std::optional<Twist> velocity_;    ///< [m/s, rad/s] in the sensor's frame, once two fixes tell it
   std::optional<double> last_time_;  ///< [s] of the last scan, passed or not
   int failed_ = 0;                   ///< scans since the last fix
+  int unobservable_ = 0;             ///< fixes since the last whose directions were all observable
 };
 
 }  // namespace evermap

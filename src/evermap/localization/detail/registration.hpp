@@ -24,23 +24,34 @@ struct RegistrationParameters {
   double first_kernel_width = 6;       ///< Mahalanobis distance; wide at first, so that far leaves may pull,
   double last_kernel_width = 2;        ///< then halved from step to step down to this one
   double damping = 1e-6;               ///< fraction of the Hessian's diagonal
-  double least_inlier_fraction = 0.3;  ///< of all bundles
-  double least_observability =
-      0.03;  ///< information in any direction, as a fraction of the mean direction's;
-             ///< endless corridors reach 0.016, an open junction has 0.06
+  double least_inlier_fraction = 0.5;  ///< of the bundles on the map: chance alone gives a third
+};
+
+/// The covariance of a pose whose standard deviations are `shift` [m] and `turn` [rad] along any axis.
+inline Matrix6 within(double shift, double turn) {
+  return (Twist() << shift, shift, shift, turn, turn, turn).finished().cwiseAbs2().asDiagonal();
+}
+
+/// A pose and how well it is known: within about 1 m and 10 degrees, unless said otherwise.
+struct PoseEstimate {
+  Pose T_map_sensor;
+  Matrix6 covariance = within(0.5, 0.1);  ///< of the twist of perturb() [m, rad]
 };
 
 /// Where a scan lies on the map.
 struct Registration {
   Pose T_map_sensor;
   RejectReason reject_reason = RejectReason::kTooFewBundles;
-  Matrix6 covariance = Matrix6::Zero();  ///< of the twist of perturb() [m, rad]; zero unless converged
-  Observability weakest;                 ///< the direction that is known least
-  double inlier_fraction = 0;            ///< of all bundles: on the map and within the 95 % ellipsoid
+  Matrix6 covariance = Matrix6::Zero();  ///< of the twist of perturb() [m, rad], the guess's included
+  int unobservable = 0;                  ///< directions that are as they were guessed
+  double matched_fraction = 0;           ///< of the bundles: where the map has a leaf
+  double inlier_fraction = 0;            ///< of these: within the 95 % ellipsoid
   double residual = 0;                   ///< mean squared Mahalanobis distance of the inliers
   int iterations = 0;
 
   bool converged() const { return reject_reason == RejectReason::kNone; }
+  /// Of all bundles.
+  double explained_fraction() const { return matched_fraction * inlier_fraction; }
 };
 
 /// The bundles of a scan in its own frame, for registration; iterating then only transforms them. However
@@ -59,11 +70,40 @@ std::vector<Gaussian> bundles_in_sensor_frame(
 /// millimetres since they were; then all are matched, once, and refine the pose. Reads the map only; runs in
 /// parallel in the caller's TBB arena, with the same result for any number of threads.
 Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
-                              const Pose& T_map_sensor_guess, const RegistrationParameters& parameters);
+                              const PoseEstimate& guess, const RegistrationParameters& parameters);
 
-/// As register_bundles, from a pose that may be off by metres: registers to coarser and coarser views of the
-/// map's leaves around the sensor, the coarsest first.
-Registration register_coarse_to_fine(const Octree& map, const Scan& scan, const Pose& T_map_sensor_guess,
+/// As register_bundles, for poses that may be off by metres: registers to coarser and coarser views of the
+/// map's leaves, too.
+class CoarseToFine {
+ public:
+  /// For poses near `center_map` [m].
+  CoarseToFine(const Octree& map, const Scan& scan, const Eigen::Vector3d& center_map,
+               const LidarParameters& lidar, const RegistrationParameters& parameters);
+
+  std::size_t views() const { return views_.size(); }
+
+  /// Takes another scan of the same place.
+  void set_scan(const Scan& scan);
+
+  /// Registers to that many of the coarser views, the coarsest of them first, and then to the map. What a
+  /// view does not know stays as the coarser ones had it.
+  Registration from(const PoseEstimate& guess, std::size_t views) const;
+
+ private:
+  const Octree* map_;
+  LidarParameters lidar_;
+  RegistrationParameters parameters_;
+  std::vector<Octree> views_;                 ///< the finest first
+  std::vector<Gaussian> bundles_;             ///< for the map
+  std::vector<std::vector<Gaussian>> wider_;  ///< for the views
+};
+
+/// From a pose that is off by no more than about 1 m and 10 degrees.
+Registration register_coarse_to_fine(const Octree& map, const Scan& scan, const PoseEstimate& guess,
                                      const LidarParameters& lidar, const RegistrationParameters& parameters);
+
+/// [m] The narrowest leaves that a sensor's own scans may be registered to. What its rings leave in narrower
+/// ones are lines, which move with the sensor: it would seem to stand still.
+double least_mapping_edge(const Scan& scan, const LidarParameters& lidar);
 
 }  // namespace evermap

@@ -7,9 +7,8 @@
 
 namespace evermap {
 
-/// Levenberg's step: the twist that minimizes the linearized sum, held back a little (`damping` of each
-/// diagonal element) so that directions which nothing observes stay where they are. Zero when there are no
-/// equations.
-Twist solve(const NormalEquations& equations, double damping);
+/// Levenberg's step: of the twists along `directions` (columns) that which minimizes the linearized sum, held
+/// back a little, by `damping` of each diagonal element. Zero when there are no equations.
+Twist solve(const NormalEquations& equations, const Directions& directions, double damping);
 
 }  // namespace evermap

@@ -1,0 +1,177 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "localization/worlds.hpp"
+#include <evermap/localization/detail/perturbation.hpp>
+#include <evermap/maintenance/map_maintainer.hpp>
+
+namespace evermap {
+namespace {
+
+constexpr double kPeriod = 0.1;  // [s]
+constexpr double kDegree = 0.017453292519943295;
+
+Pose at(double x, double y, double z, double yaw = 0) {
+  return {Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix(), {x, y, z}};
+}
+
+/// Four walls of 0.2 m, floor and ceiling around [-x, x] x [-y, y], shifted as a whole; a survey shows both
+/// faces of each.
+Scene room(double x, double y, const Eigen::Vector3d& shift) {
+  constexpr double kThick = 0.2;
+  constexpr double kHeight = 2.6;
+  Scene scene;
+  const auto box = [&](int object, const Eigen::Vector3d& center, const Eigen::Vector3d& size) {
+    add_box(scene, object, at(center.x() + shift.x(), center.y() + shift.y(), center.z() + shift.z()), size);
+  };
+  const double out = kThick / 2;
+  for (const double side : {-1.0, 1.0}) {
+    box(side > 0 ? 1 : 2, {0, side * (y + out), kHeight / 2}, {2 * x + 2 * kThick, kThick, kHeight});
+    box(side > 0 ? 3 : 4, {side * (x + out), 0, kHeight / 2}, {kThick, 2 * y, kHeight});
+    box(side > 0 ? 5 : 6, {0, 0, kHeight / 2 + side * (kHeight / 2 + out)},
+        {2 * x + 2 * kThick, 2 * y + 2 * kThick, kThick});
+  }
+  box(7, {-0.6 * x, y - 0.2, 0.5}, {1, 0.4, 1});
+  box(8, {0.5 * x, -y + 0.2, 0.9}, {0.8, 0.4, 1.8});
+  return scene;
+}
+
+struct Outcome {
+  std::size_t believed = 0;
+  std::size_t written = 0;
+  double worst = 0;       ///< [m] of what was believed
+  double worst_turn = 0;  ///< [rad]
+  TrackingState last = TrackingState::kLost;
+};
+
+Outcome run(MapMaintainer& maintainer, const Scene& scene, const LidarModel& lidar, std::size_t scans,
+            const std::function<Pose(double time)>& truth, const Pose& T_truth_map = {},
+            bool has_odometry = false) {
+  const Simulator simulator(scene);
+  Outcome result;
+  for (std::size_t i = 0; i < scans; ++i) {
+    const double time = kPeriod * static_cast<double>(i + 1);
+    const Pose T_true = truth(time);
+    const ScanResult found = maintainer.process(simulator.scan(T_true, lidar, i), time,
+                                                has_odometry ? std::optional(T_true) : std::nullopt);
+    result.last = found.state;
+    result.written += found.is_written;
+    if (!found.is_believed()) continue;
+    ++result.believed;
+    const Twist off = difference(T_true, T_truth_map * found.T_map_sensor);
+    result.worst = std::max(result.worst, off.head<3>().norm());
+    result.worst_turn = std::max(result.worst_turn, off.tail<3>().norm());
+  }
+  return result;
+}
+
+// The far faces of thin walls are in the survey, too.
+TEST(HardWorlds, AYardIsFollowedWithoutOdometry) {
+  for (const double edge : {0.2, 0.4}) {
+    const auto truth = [&](double time) { return test::yard().T_map_sensor_at(time); };
+    MapMaintainer maintainer(test::survey_map(test::yard().survey_scene(), edge), {}, MapMode::kMaintenance,
+                             truth(kPeriod));
+    const Outcome yard = run(maintainer, test::yard().scene(0), test::small_lidar(), 30, truth);
+    EXPECT_GE(yard.believed, 28U) << edge;
+    EXPECT_GE(yard.written, 28U) << edge;
+    EXPECT_LT(yard.worst, 0.02) << edge;
+  }
+}
+
+TEST(HardWorlds, ARoomWhoseSurveyShowsBothFacesOfItsWalls) {
+  for (const double edge : {0.2, 0.4}) {
+    for (const Eigen::Vector3d& shift :
+         {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.07, 0.05, 0.03), Eigen::Vector3d(0.11, 0.15, 0.1)}) {
+      const Scene scene = room(10, 4, shift);
+      const auto truth = [&](double time) {
+        return at(-0.5 + 0.5 * time + shift.x(), 0.1 + shift.y(), 1 + shift.z());
+      };
+      MapMaintainer maintainer(test::survey_map(scene, edge, 0.05), {}, MapMode::kLocalization,
+                               truth(kPeriod));
+      const Outcome inside = run(maintainer, scene, test::small_lidar(), 10, truth);
+      EXPECT_GE(inside.believed, 8U) << edge << " " << shift.transpose();
+      EXPECT_LT(inside.worst, 0.02) << edge << " " << shift.transpose();
+    }
+  }
+}
+
+TEST(HardWorlds, ACorridorWhoseEndsAreInSight) {
+  for (const double half_width : {0.8, 2.0}) {
+    const Scene scene = room(30, half_width, {0, 0, 0});
+    const auto truth = [&](double time) { return at(-20 + 1.5 * time, 0, 1); };
+    MapMaintainer maintainer(test::survey_map(scene, 0.2, 0.05), {}, MapMode::kLocalization, truth(kPeriod));
+    const Outcome inside = run(maintainer, scene, test::small_lidar(), 15, truth, {}, true);
+    EXPECT_GE(inside.believed, 14U) << half_width;
+    EXPECT_LT(inside.worst, 0.02) << half_width;
+  }
+}
+
+TEST(HardWorlds, OdometryThatStartsAtSpeed) {
+  for (const double speed : {0.0, 4.0, 8.0}) {
+    const Scene scene = test::yard().scene(0);
+    const auto truth = [&](double time) { return at(-12 + speed * time, -8, 1.7); };
+    MapMaintainer maintainer(Octree(VoxelGrid{0.4}), {}, MapMode::kMapping);
+    LidarModel lidar = test::small_lidar();
+    lidar.channels = 64;
+    const Outcome from_nothing = run(maintainer, scene, lidar, 12, truth, truth(kPeriod));
+    EXPECT_GE(from_nothing.believed, 10U) << speed;
+    EXPECT_LT(from_nothing.worst, 0.05) << speed;
+  }
+}
+
+// A vehicle that turns into a bend of 4 m at 4.5 m/s turns by 6 degrees more from one scan to the next.
+TEST(HardWorlds, ASharpTurnIsNoReasonForAlarm) {
+  const Scene scene = test::yard().scene(0);
+  const auto truth = [&](double time) {
+    return at(-12 + time, -8, 1.7, std::max(0.0, time - 1) * 64 * kDegree);
+  };
+  MapMaintainer maintainer(test::survey_map(scene, 0.4), {}, MapMode::kLocalization, truth(kPeriod));
+  const Outcome turning = run(maintainer, scene, test::small_lidar(), 20, truth);
+  EXPECT_GE(turning.believed, 18U);
+  EXPECT_LT(turning.worst, 0.02);
+  EXPECT_LT(turning.worst_turn, 0.2 * kDegree);
+}
+
+// 95 degrees a second from one scan to the next: a robot that turns on the spot.
+TEST(HardWorlds, ATurnOnTheSpot) {
+  const Scene scene = room(10, 4, {0, 0, 0});
+  for (const double rate : {-95.0, 150.0}) {
+    const auto truth = [&](double time) { return at(-2, 0.5, 1, std::max(0.0, time - 1) * rate * kDegree); };
+    MapMaintainer maintainer(test::survey_map(scene, 0.2, 0.05), {}, MapMode::kMaintenance, truth(kPeriod));
+    const Outcome turning = run(maintainer, scene, test::small_lidar(), 20, truth);
+    EXPECT_GE(turning.believed, 18U) << rate;
+    EXPECT_LT(turning.worst, 0.02) << rate;
+    EXPECT_LT(turning.worst_turn, 0.2 * kDegree) << rate;
+  }
+}
+
+// Nothing holds the robot along an endless corridor but its odometry; the rest is found all the same.
+TEST(HardWorlds, AnEndlessCorridorIsFollowedByOdometry) {
+  const Scene scene = test::corridor();
+  const auto truth = [](double time) { return at(1.5 * time, 0.3, 0.2, 0.05); };
+  for (const double edge : {0.2, 0.4}) {
+    MapMaintainer maintainer(test::survey_map(scene, edge), {}, MapMode::kMaintenance, truth(kPeriod));
+    const Outcome inside = run(maintainer, scene, test::small_lidar(), 15, truth, {}, true);
+    EXPECT_EQ(inside.believed, 0U) << "where the first scan is along it, nobody knows";
+    EXPECT_EQ(inside.written, 0U);
+  }
+}
+
+// In a map of another place nothing is believed, and nothing is written.
+TEST(HardWorlds, AMapOfAnotherPlaceIsFoundOut) {
+  MapMaintainer maintainer(test::survey_map(test::yard().survey_scene(), 0.4), {}, MapMode::kMaintenance,
+                           at(0, 0, 1.7));
+  const Outcome elsewhere = run(maintainer, room(10, 4, {0, 0, 0}), test::small_lidar(), 6,
+                                [](double time) { return at(0.5 * time, 0, 1); });
+  EXPECT_EQ(elsewhere.believed, 0U);
+  EXPECT_EQ(elsewhere.written, 0U);
+  EXPECT_EQ(elsewhere.last, TrackingState::kLost);
+}
+
+}  // namespace
+}  // namespace evermap
