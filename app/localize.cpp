@@ -26,6 +26,7 @@ struct Options {
   bool maintain = false;
   std::optional<int> rollback;  ///< [scans]
   std::optional<double> max_contradicting;
+  std::optional<double> search;  ///< [m]
   bool undo_log = false;
   std::filesystem::path poses;
   std::filesystem::path states;  ///< empty when not asked for
@@ -58,6 +59,8 @@ void run(const Options& options) {
   parameters.rollback.scans = options.rollback.value_or(parameters.rollback.scans);
   parameters.localization.gate.max_contradicting =
       options.max_contradicting.value_or(parameters.localization.gate.max_contradicting);
+  parameters.localization.relocation.reach =
+      options.search.value_or(parameters.localization.relocation.reach);
   check(options);
   Octree map = load_map(options.map);
   if (map.empty()) throw std::runtime_error(options.map.string() + " has no leaves to localize in");
@@ -81,7 +84,7 @@ void run(const Options& options) {
   if (run.is_lost() || run.is_hardly_tracked()) {
     throw std::runtime_error(std::string("the robot was lost") +
                              (run.is_lost() ? " at the end" : " most of the time") +
-                             "; try --initial-pose, or a map of this place");
+                             "; try --initial-pose, a wider --search, or a map of this place");
   }
 }
 
@@ -102,6 +105,10 @@ void add_localize(CLI::App& app) {
       ->expected(7)
       ->type_name("POSE")
       ->default_str("the map's origin");
+  verb->add_option("--search", options->search, "How far around its last pose a lost robot is searched")
+      ->check(CLI::Range(0.0, 100.0))
+      ->type_name("METRES")
+      ->default_str(fmt::format("{}", RelocationParameters{}.reach));
   verb->add_option("--states", options->states, "What was thought of each scan, and why, to write (CSV)")
       ->type_name("FILE.csv");
   add_bin_fields_option(*verb, options->scans.cloud);

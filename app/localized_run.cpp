@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string_view>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -52,6 +53,27 @@ void record(LocalizedRun& run, double time, const ScanResult& result) {
   ++run.states[static_cast<std::size_t>(result.state)];
   if (result.reject_reason != RejectReason::kNone) ++run.rejections[result.reject_reason];
   run.rolled_back += result.rolled_back;
+  run.written += result.is_written && result.state == TrackingState::kTracking ? 1 : 0;
+}
+
+/// What to do about scans that were rejected.
+std::string_view advice(RejectReason reason) {
+  switch (reason) {
+    case RejectReason::kUnobservable:
+      return " (odometry would tell: --odometry)";
+    case RejectReason::kAmbiguous:
+      return " (tell where it is: --initial-pose)";
+    case RejectReason::kTooFewMatches:
+    case RejectReason::kTooFewInliers:
+      return " (is the map of this place, --initial-pose right?)";
+    case RejectReason::kTooFar:
+    case RejectReason::kTurnedTooFar:
+      return " (is --rate right, and the odometry of this sensor?)";
+    case RejectReason::kOdometryJumps:
+      return " (do wheels slip?)";
+    default:
+      return {};
+  }
 }
 
 }  // namespace
@@ -150,7 +172,12 @@ std::string to_text(const LocalizedRun& run) {
   text +=
       fmt::format("way      {:.1f} m, {:.1f} % of it tracked\n", all, all > 0 ? 100 * believed / all : 100);
   for (const auto& [reason, scans] : run.rejections) {
-    text += fmt::format("         {} rejected: {}\n", scans, to_string(reason));
+    text += fmt::format("         {} rejected: {}{}\n", scans, to_string(reason), advice(reason));
+  }
+  if (run.written > 0 && run.written < run.count(TrackingState::kTracking)) {
+    text +=
+        fmt::format("         {} tracked but not written: a direction of their pose was known too badly\n",
+                    run.count(TrackingState::kTracking) - run.written);
   }
   if (run.rolled_back > 0)
     text += fmt::format("         the changes of {} scans were rolled back\n", run.rolled_back);
