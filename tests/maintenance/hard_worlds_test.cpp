@@ -157,8 +157,9 @@ TEST(HardWorlds, AnEndlessCorridorIsFollowedByOdometry) {
   for (const double edge : {0.2, 0.4}) {
     MapMaintainer maintainer(test::survey_map(scene, edge), {}, MapMode::kMaintenance, truth(kPeriod));
     const Outcome inside = run(maintainer, scene, test::small_lidar(), 15, truth, {}, true);
-    EXPECT_EQ(inside.believed, 0U) << "where the first scan is along it, nobody knows";
-    EXPECT_EQ(inside.written, 0U);
+    EXPECT_GE(inside.believed, 13U);
+    EXPECT_LT(inside.worst, 0.05);
+    EXPECT_EQ(inside.written, 0U) << "where the first scan is along it, nobody knows";
   }
 }
 

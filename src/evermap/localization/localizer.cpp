@@ -114,9 +114,10 @@ Localization Localizer::propose(const Octree& map, const Scan& raw, double time,
   found.is_deskewed = !raw.time_offset.empty();
   const PoseEstimate predicted{found.T_map_sensor_predicted, uncertainty(found, time)};
   if (found.motion_is_known && effort == Effort::kUsual) {
-    Hypothesis near{register_near(map, found.scan, predicted), found.scan, found.velocity};
+    Hypothesis near{{}, std::move(found.scan), found.velocity};
+    near.registration = register_near(map, near.scan, predicted);
     if (!gate_.is_usual(near.registration)) undistort_again(map, raw, predicted.covariance, found, near);
-    take(near, found);
+    take(std::move(near), found);
     found.reject_reason = gate_.judge(found.registration, found.T_map_sensor_predicted, slack(found));
   }
   if (!found.motion_is_known || effort == Effort::kThorough || !found.passes()) {
@@ -131,13 +132,15 @@ Localization Localizer::propose(const Octree& map, const Scan& raw, double time,
 bool Localizer::is_vague(const Localization& found) const {
   constexpr double kDegree = std::numbers::pi / 180;
   const WeakestDirection weakest = weakest_direction(found.registration.covariance);
-  if (has_odometry(found)) return weakest.sigma > (weakest.is_rotation ? 4 * kDegree : 0.4);
+  if (found.T_odom_sensor && !found.odometry_jumps) {
+    return weakest.sigma > (weakest.is_rotation ? 10 * kDegree : 1);
+  }
   return weakest.sigma > (weakest.is_rotation ? kDegree : 0.1);  // of a velocity that may change any time
 }
 
-void Localizer::take(const Hypothesis& place, Localization& found) const {
+void Localizer::take(Hypothesis&& place, Localization& found) const {
   found.registration = place.registration;
-  found.scan = place.scan;
+  found.scan = std::move(place.scan);
   found.velocity = place.velocity;
   if (last_) found.motion = velocity_to(place.registration.T_map_sensor, place.velocity, found);
 }
@@ -154,13 +157,14 @@ void Localizer::consider_places(const Octree& map, const Scan& raw, const PoseEs
     }
   }
   const std::size_t best = best_of(all);
-  const bool was_measured = found.motion_is_known && all[best].velocity != found.velocity;
-  take(all[best], found);
-  if (was_measured) found.motion = found.velocity;
-  if (contradicting) found.contradicting_fraction = all[best].contradicting_fraction;
+  Hypothesis& winner = all[best];
   // A search has its own reach.
-  const Pose& expected = found.is_search ? found.registration.T_map_sensor : found.T_map_sensor_predicted;
+  const Pose& expected = found.is_search ? winner.registration.T_map_sensor : found.T_map_sensor_predicted;
   found.reject_reason = gate_.judge_best(all, best, expected, slack(found));
+  if (contradicting) found.contradicting_fraction = winner.contradicting_fraction;
+  const bool was_measured = found.motion_is_known && winner.velocity != found.velocity;
+  take(std::move(winner), found);
+  if (was_measured) found.motion = found.velocity;
 }
 
 void Localizer::undistort_again(const Octree& map, const Scan& raw, const Matrix6& covariance,
@@ -213,9 +217,9 @@ Matrix6 Localizer::uncertainty(const Localization& found, double time) const {
 Registration Localizer::register_near(const Octree& map, const Scan& scan,
                                       const PoseEstimate& predicted) const {
   const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, lidar_);
-  const Registration fine = register_bundles(map, bundles, predicted, parameters_.registration);
+  Registration fine = register_bundles(map, bundles, predicted, parameters_.registration);
   if (fine.converged() && fine.unobservable == 0) return fine;
-  const Registration wide = register_coarse_to_fine(map, scan, predicted, lidar_, parameters_.registration);
+  Registration wide = register_coarse_to_fine(map, scan, predicted, lidar_, parameters_.registration);
   return fine.converged() && wide.unobservable >= fine.unobservable ? fine : wide;
 }
 

@@ -120,7 +120,7 @@ class Localizer {
   /// Chooses among several places.
   void consider_places(const Octree& map, const Scan& raw, const PoseEstimate& predicted,
                        const Contradicting& contradicting, Localization& found) const;
-  void take(const Hypothesis& place, Localization& found) const;
+  void take(Hypothesis&& place, Localization& found) const;
   /// Where the sensor did not move as predicted, deskews by how it moved, and registers once more.
   void undistort_again(const Octree& map, const Scan& raw, const Matrix6& covariance,
                        const Localization& found, Hypothesis& place) const;
