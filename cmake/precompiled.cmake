@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the evermap authors
 # SPDX-License-Identifier: BSD-3-Clause
 # evermap_precompile(TARGET library|program|test): parses Eigen and the standard library (and GoogleTest) once a kind
-# instead of once a file. It only saves time: the presets of clang build without, and there a missing include shows.
+# instead of once a file. It only saves time: the preset clang builds without, and there a missing include shows.
 # One precompiled header serves only targets of the same flags, which is why libraries (-fPIC) have their own.
 function(evermap_precompile target kind)
   set(headers <algorithm> <array> <cmath> <cstddef> <cstdint> <filesystem> <functional> <limits> <map> <memory> <numeric>
