@@ -53,7 +53,6 @@ void record(LocalizedRun& run, double time, const ScanResult& result) {
   ++run.states[static_cast<std::size_t>(result.state)];
   if (result.reject_reason != RejectReason::kNone) ++run.rejections[result.reject_reason];
   run.rolled_back += result.rolled_back;
-  run.written += result.is_written && result.state == TrackingState::kTracking ? 1 : 0;
 }
 
 /// What to do about scans that were rejected.
@@ -174,10 +173,14 @@ std::string to_text(const LocalizedRun& run) {
   for (const auto& [reason, scans] : run.rejections) {
     text += fmt::format("         {} rejected: {}{}\n", scans, to_string(reason), advice(reason));
   }
-  if (run.written > 0 && run.written < run.count(TrackingState::kTracking)) {
+  const auto written = static_cast<std::size_t>(
+      std::count_if(run.scans.begin(), run.scans.end(), [](const std::pair<double, ScanResult>& scan) {
+        return scan.second.is_written && scan.second.state == TrackingState::kTracking;
+      }));
+  if (written > 0 && written < run.count(TrackingState::kTracking)) {
     text +=
         fmt::format("         {} tracked but not written: a direction of their pose was known too badly\n",
-                    run.count(TrackingState::kTracking) - run.written);
+                    run.count(TrackingState::kTracking) - written);
   }
   if (run.rolled_back > 0)
     text += fmt::format("         the changes of {} scans were rolled back\n", run.rolled_back);

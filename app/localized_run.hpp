@@ -40,7 +40,6 @@ struct LocalizedRun {
   std::array<std::size_t, 4> states{};               ///< scans by TrackingState
   std::map<RejectReason, std::size_t> rejections;    ///< scans that were not believed or not written
   std::size_t rolled_back = 0;                       ///< scans whose changes were undone
-  std::size_t written = 0;                           ///< tracked scans that went into the map
 
   bool is_lost() const { return !scans.empty() && scans.back().second.state == TrackingState::kLost; }
   /// Less than a fifth of the scans: the trajectory and a map made along it are worth nothing.

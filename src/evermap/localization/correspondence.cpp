@@ -22,6 +22,11 @@ struct Candidate {
   const Leaf* leaf;
 };
 
+/// The step from a voxel across that of its two faces along `axis` which is nearer.
+Eigen::Vector3i across(const Eigen::Vector3d& from_center, int axis) {
+  return (from_center[axis] < 0 ? -1 : 1) * Eigen::Vector3i::Unit(axis);
+}
+
 /// The candidates of all bundles, in their order. Leaves lie all over the memory: all are asked for before
 /// any is used.
 std::vector<Candidate> candidates(const Octree& map, std::span<const Gaussian> bundles) {
@@ -42,7 +47,7 @@ std::vector<Candidate> candidates(const Octree& map, std::span<const Gaussian> b
     const Eigen::Vector3d from_center = bundles[i].mean - map.grid().center(*voxel);
     for (int axis = 0; axis < 3; ++axis) {
       if (std::abs(from_center[axis]) < least) continue;
-      ask(i, *voxel + (from_center[axis] < 0 ? -1 : 1) * Eigen::Vector3i::Unit(axis));
+      ask(i, *voxel + across(from_center, axis));
     }
   }
   return found;
@@ -137,14 +142,12 @@ std::vector<std::optional<Correspondence>> correspond(const Octree& map,
     matches[i].reset();
     const Eigen::Vector3i voxel = *map.grid().voxel(bundles[i].mean);
     const Eigen::Vector3d from_center = bundles[i].mean - map.grid().center(voxel);
-    for (int axis = -1; axis < 3; ++axis) {
-      const Eigen::Vector3i step =
-          axis < 0 ? Eigen::Vector3i::Zero()
-                   : Eigen::Vector3i((from_center[axis] < 0 ? -1 : 1) * Eigen::Vector3i::Unit(axis));
-      if (!VoxelKey::in_range(voxel + step)) continue;
-      const Leaf* leaf = finder.find(VoxelKey::from_voxel(voxel + step));
-      if (leaf != nullptr && leaf != hidden) consider(i, voxel + step, *leaf);
-    }
+    const auto consider_other = [&](const Eigen::Vector3i& there) {
+      const Leaf* leaf = VoxelKey::in_range(there) ? finder.find(VoxelKey::from_voxel(there)) : nullptr;
+      if (leaf != nullptr && leaf != hidden) consider(i, there, *leaf);
+    };
+    consider_other(voxel);
+    for (int axis = 0; axis < 3; ++axis) consider_other(voxel + across(from_center, axis));
     if (matches[i] && !is_seen(i)) matches[i].reset();
   }
   return matches;

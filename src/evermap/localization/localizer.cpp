@@ -11,6 +11,11 @@
 #include <evermap/scan/detail/deskew.hpp>
 
 namespace evermap {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;  ///< [rad]
+
+}  // namespace
 
 std::string_view to_string(TrackingState state) {
   switch (state) {
@@ -27,8 +32,8 @@ std::string_view to_string(TrackingState state) {
 }
 
 bool Localization::is_precise() const {
-  constexpr double kShift = 0.05;                         // [m]
-  constexpr double kTurn = 0.5 * std::numbers::pi / 180;  // [rad]
+  constexpr double kShift = 0.05;          // [m]
+  constexpr double kTurn = 0.5 * kDegree;  // [rad]
   const WeakestDirection weakest = weakest_direction(registration.covariance);
   return weakest.sigma < (weakest.is_rotation ? kTurn : kShift);
 }
@@ -45,7 +50,7 @@ Pose Localizer::predict(double time, const std::optional<Pose>& T_odom_sensor) c
   if (T_odom_sensor && last_->T_odom_sensor) {
     return last_->T_map_sensor * (last_->T_odom_sensor->inverse() * *T_odom_sensor);
   }
-  if (state_ == TrackingState::kLost) return last_->T_map_sensor;
+  if (is_lost()) return last_->T_map_sensor;
   return last_->T_map_sensor * exp(velocity_.value_or(last_->velocity) * (time - last_->time));
 }
 
@@ -56,8 +61,12 @@ void Localizer::begin(const Pose& T_map_sensor, double time, const std::optional
   velocity_ = velocity;
 }
 
-Twist Localizer::velocity_to(const Pose& T_map_sensor, const Twist& velocity,
-                             const Localization& found) const {
+Twist Localizer::velocity_to(const Pose& T_map_sensor, double time) const {
+  return log(last_->T_map_sensor.inverse() * T_map_sensor) / (time - last_->time);
+}
+
+Twist Localizer::velocity_between_middles(const Pose& T_map_sensor, const Twist& velocity,
+                                          const Localization& found) const {
   const double half = found.is_deskewed ? lidar_.scan_period / 2 : 0;
   const Pose T_map_middle_last = last_->T_map_sensor * exp(-half * last_->velocity);
   const Pose T_map_middle = T_map_sensor * exp(-half * velocity);
@@ -105,11 +114,8 @@ Localization Localizer::propose(const Octree& map, const Scan& raw, double time,
   }
   found.odometry_jumps = odometry_jumps(time, T_odom_sensor);
   found.T_map_sensor_predicted = predict(time, found.odometry_jumps ? std::nullopt : T_odom_sensor);
-  found.is_search = state_ == TrackingState::kLost;
-  found.motion_is_known = last_ && !found.is_search && (velocity_ || (T_odom_sensor && last_->T_odom_sensor));
-  if (last_) {
-    found.velocity = log(last_->T_map_sensor.inverse() * found.T_map_sensor_predicted) / (time - last_->time);
-  }
+  found.motion_is_known = last_ && !is_lost() && (velocity_ || has_odometry(found));
+  if (last_) found.velocity = velocity_to(found.T_map_sensor_predicted, time);
   found.scan = undistorted(raw, found.velocity);
   found.is_deskewed = !raw.time_offset.empty();
   const PoseEstimate predicted{found.T_map_sensor_predicted, uncertainty(found, time)};
@@ -130,7 +136,6 @@ Localization Localizer::propose(const Octree& map, const Scan& raw, double time,
 }
 
 bool Localizer::is_vague(const Localization& found) const {
-  constexpr double kDegree = std::numbers::pi / 180;
   const WeakestDirection weakest = weakest_direction(found.registration.covariance);
   if (found.T_odom_sensor && !found.odometry_jumps) {
     return weakest.sigma > (weakest.is_rotation ? 10 * kDegree : 1);
@@ -142,13 +147,12 @@ void Localizer::take(Hypothesis&& place, Localization& found) const {
   found.registration = place.registration;
   found.scan = std::move(place.scan);
   found.velocity = place.velocity;
-  if (last_) found.motion = velocity_to(place.registration.T_map_sensor, place.velocity, found);
+  if (last_) found.motion = velocity_between_middles(place.registration.T_map_sensor, place.velocity, found);
 }
 
 void Localizer::consider_places(const Octree& map, const Scan& raw, const PoseEstimate& predicted,
                                 const Contradicting& contradicting, Localization& found) const {
-  std::vector<Hypothesis> all =
-      found.is_search ? search(map, found) : guess_around(map, raw, predicted, found);
+  std::vector<Hypothesis> all = is_lost() ? search(map, found) : guess_around(map, raw, predicted, found);
   for (Hypothesis& place : all) undistort_again(map, raw, predicted.covariance, found, place);
   all = distinct(std::move(all), lidar_.scan_period);
   if (contradicting) {
@@ -159,7 +163,7 @@ void Localizer::consider_places(const Octree& map, const Scan& raw, const PoseEs
   const std::size_t best = best_of(all);
   Hypothesis& winner = all[best];
   // A search has its own reach.
-  const Pose& expected = found.is_search ? winner.registration.T_map_sensor : found.T_map_sensor_predicted;
+  const Pose& expected = is_lost() ? winner.registration.T_map_sensor : found.T_map_sensor_predicted;
   found.reject_reason = gate_.judge_best(all, best, expected, slack(found));
   if (contradicting) found.contradicting_fraction = winner.contradicting_fraction;
   const bool was_measured = found.motion_is_known && winner.velocity != found.velocity;
@@ -172,10 +176,10 @@ void Localizer::undistort_again(const Octree& map, const Scan& raw, const Matrix
   constexpr int kTries = 2;
   constexpr double kTranslation = 0.03;  // [m] within a scan, which hardly matters
   constexpr double kRotation = 0.005;    // [rad]
-  if (!found.is_deskewed || !last_ || found.is_search) return;
+  if (!found.is_deskewed || !last_ || is_lost()) return;
   for (int i = 0; i < kTries && place.registration.converged(); ++i) {
     const Pose& T_map_sensor = place.registration.T_map_sensor;
-    const Twist moved = velocity_to(T_map_sensor, place.velocity, found);
+    const Twist moved = velocity_between_middles(T_map_sensor, place.velocity, found);
     const Twist off = lidar_.scan_period * (moved - place.velocity);
     if (off.head<3>().norm() < kTranslation && off.tail<3>().norm() < kRotation) return;
     Hypothesis again{{}, undistorted(raw, moved), moved};
@@ -202,7 +206,6 @@ void Localizer::conclude(Localization& found) {
 }
 
 Matrix6 Localizer::uncertainty(const Localization& found, double time) const {
-  constexpr double kDegree = std::numbers::pi / 180;
   if (!last_) return within(0.5, 5 * kDegree);
   if (has_odometry(found)) {
     constexpr double kDrift = 0.02;
@@ -241,7 +244,7 @@ std::vector<Hypothesis> Localizer::guess_around(const Octree& map, const Scan& r
         Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * guess.T_map_sensor.rotation;
     Hypothesis place{{}, found.scan, found.velocity};
     if (found.motion_is_known) {
-      place.velocity = log(last_->T_map_sensor.inverse() * guess.T_map_sensor) / (found.time - last_->time);
+      place.velocity = velocity_to(guess.T_map_sensor, found.time);
     }
     place.velocity.x() += speed;
     if (found.is_deskewed) {
@@ -272,7 +275,7 @@ std::vector<Hypothesis> Localizer::search(const Octree& map, const Localization&
 
 void Localizer::pass(const Localization& found) {
   const std::optional<Twist> before = std::exchange(velocity_, std::nullopt);
-  if (last_ && !found.is_search) {
+  if (last_ && !is_lost()) {
     // What scans without a word about some direction left open was not driven since the last alone.
     const double share = 1.0 / (1 + unobservable_);
     velocity_ = before ? Twist(*before + share * (found.motion - *before)) : found.motion;
@@ -286,8 +289,8 @@ void Localizer::pass(const Localization& found) {
 
 void Localizer::fail() {
   ++failed_;
-  const bool is_lost = state_ == TrackingState::kLost || failed_ >= parameters_.gate.lost_after;
-  state_ = is_lost ? TrackingState::kLost : TrackingState::kDegraded;
+  state_ =
+      is_lost() || failed_ >= parameters_.gate.lost_after ? TrackingState::kLost : TrackingState::kDegraded;
 }
 
 }  // namespace evermap

@@ -111,9 +111,11 @@ class MapMaintainer::Loop {
       const std::lock_guard lock(changing_);
       map_ = Octree(map_.grid());
     }
-    const double edge = least_mapping_edge(scan, parameters_.lidar);
     wide_map_.reset();
-    if (mode_ == MapMode::kMapping && edge > map_.grid().edge) wide_map_ = Octree(VoxelGrid{edge});
+    if (mode_ == MapMode::kMapping) {
+      const double edge = least_mapping_edge(scan, parameters_.lidar);
+      if (edge > map_.grid().edge) wide_map_ = Octree(VoxelGrid{edge});
+    }
     write(scan, first_->T_map_sensor, result, &Loop::add_to_map);
     localizer_.begin(first_->T_map_sensor, first_->time, first_->T_odom_sensor, velocity);
   }

@@ -28,7 +28,6 @@ struct Localization {
   Twist velocity = Twist::Zero();  ///< [m/s, rad/s] in the sensor's frame, by which it was deskewed
   bool is_deskewed = false;        ///< it had times
   Twist motion = Twist::Zero();    ///< [m/s, rad/s] since the last fix, or in this scan where it told
-  bool is_search = false;          ///< the robot was lost before
   bool motion_is_known = false;    ///< the prediction came from odometry or from a known velocity
   bool odometry_jumps = false;     ///< and is therefore not followed
   std::optional<double> contradicting_fraction;  ///< of the scan's rays there, where they were counted
@@ -101,10 +100,14 @@ class Localizer {
   /// How much wider the gate is for a prediction over more than one period. REQUIRES: there was a fix.
   double slack(double time) const;
   double slack(const Localization& found) const;
+  bool is_lost() const { return state_ == TrackingState::kLost; }
+  /// How the sensor moves [m/s, rad/s] when it gets from the last fix to a pose at `time` [s].
+  Twist velocity_to(const Pose& T_map_sensor, double time) const;
   /// How the sensor moved [m/s, rad/s] since the last fix, to a pose of a scan deskewed by `velocity`; from
   /// the middle of the one scan to the middle of the other. There, a scan is registered however wrong it was
   /// deskewed; velocities from one end to the next would swing up.
-  Twist velocity_to(const Pose& T_map_sensor, const Twist& velocity, const Localization& found) const;
+  Twist velocity_between_middles(const Pose& T_map_sensor, const Twist& velocity,
+                                 const Localization& found) const;
   bool odometry_jumps(double time, const std::optional<Pose>& T_odom_sensor) const;
   /// Whether the prediction is the odometry's.
   bool has_odometry(const Localization& found) const;
