@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <evermap/update/detail/impact.hpp>
 #include <evermap/update/detail/leaf_update.hpp>
 
 namespace evermap {
@@ -20,12 +21,39 @@ double raised(double log_odds, const UpdateParameters& parameters) {
                   std::max(parameters.long_term_max_log_odds, parameters.max_log_odds));
 }
 
+/// A known surface and what a hit adds to it. The pose of a scan was found by the surfaces that it hits, so it
+/// cannot tell them where they are: what is seen where it was stays there, or the map would follow the errors
+/// of the poses. Across its plane, a flat leaf counts as seen when a hit is off it by no more than noise and
+/// `error` [m] explain; another leaf, when a hit lies within it.
+Gaussian united(const Gaussian& known, const Gaussian& hit, double error,
+                const UpdateParameters& parameters) {
+  Gaussian both = merge(known, hit);
+  const double bound = parameters.settled * parameters.settled;
+  const Plane plane = plane_of(known);
+  if (!plane.flat) {
+    const bool is_within = mahalanobis_squared(hit.mean, known) < bound;
+    return is_within ? Gaussian{known.mean, known.covariance, both.count} : both;
+  }
+  const Eigen::Vector3d& n = plane.normal;
+  const double variance = plane.sigma * plane.sigma;
+  const double apart = n.dot(hit.mean - known.mean);
+  const double noise = error * error + variance / known.count + n.dot(hit.covariance * n) / hit.count;
+  if (apart * apart > bound * noise) return both;
+  const Eigen::Matrix3d within = Eigen::Matrix3d::Identity() - n * n.transpose();
+  both.mean -= n.dot(both.mean - known.mean) * n;
+  both.covariance = within * both.covariance * within + variance * n * n.transpose();
+  return both;
+}
+
 }  // namespace
 
-void confirm(Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& center_map,
+void confirm(Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& center_map, double error,
              const UpdateParameters& parameters) {
   const bool is_new = leaf.count <= 0;
-  Gaussian surface = is_new ? bundle : merge(leaf.gaussian(center_map), bundle);
+  const bool is_known = parameters.settled > 0 && leaf.log_odds >= static_cast<float>(parameters.max_log_odds);
+  Gaussian surface = is_new     ? bundle
+                     : is_known ? united(leaf.gaussian(center_map), bundle, error, parameters)
+                                : merge(leaf.gaussian(center_map), bundle);
   surface.count = std::min(surface.count, parameters.max_count);
   leaf.set_gaussian(surface, center_map);
   constexpr double kRounding = 1e-5;  // of stored log-odds: it must not turn the last 0 into occupied

@@ -58,8 +58,8 @@ std::size_t contradict_leaves(Octree& octree, const BundleGrid& bundles, const E
 
 /// Additive: leaves that exist are confirmed in parallel; new ones are made one by one, since that moves
 /// leaves. Returns how many became occupied.
-std::size_t confirm_leaves(Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters,
-                           double view_weight) {
+std::size_t confirm_leaves(Octree& octree, const BundleGrid& bundles, double error,
+                           const UpdateParameters& parameters, double view_weight) {
   const auto& all = bundles.bundles();
   enum class Hit : char { kNew, kConfirms, kMakesOccupied };
   std::vector<Hit> hits(all.size(), Hit::kNew);
@@ -72,14 +72,14 @@ std::size_t confirm_leaves(Octree& octree, const BundleGrid& bundles, const Upda
       const bool was_occupied = leaf->occupied();
       Gaussian seen = all[i].points;
       seen.count *= view_weight;
-      confirm(*leaf, seen, octree.grid().center(all[i].key), parameters);
+      confirm(*leaf, seen, octree.grid().center(all[i].key), error, parameters);
       hits[i] = !was_occupied && leaf->occupied() ? Hit::kMakesOccupied : Hit::kConfirms;
     }
   });
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (hits[i] != Hit::kNew) continue;
     Leaf& leaf = octree.find_or_insert(all[i].key);
-    confirm(leaf, all[i].points, octree.grid().center(all[i].key), parameters);
+    confirm(leaf, all[i].points, octree.grid().center(all[i].key), error, parameters);
     if (leaf.occupied()) hits[i] = Hit::kMakesOccupied;
   }
   return static_cast<std::size_t>(std::count(hits.begin(), hits.end(), Hit::kMakesOccupied));
@@ -90,7 +90,8 @@ std::size_t confirm_leaves(Octree& octree, const BundleGrid& bundles, const Upda
 LeafChanges add(Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters) {
   UpdateParameters trusting = parameters;
   trusting.confirmations = 1;
-  return {confirm_leaves(octree, bundles, trusting, 1), 0};
+  trusting.settled = 0;
+  return {confirm_leaves(octree, bundles, 0, trusting, 1), 0};
 }
 
 BundleGrid add_cloud(Octree& octree, const Scan& cloud, const Pose& T_map_cloud, const LidarParameters& lidar,
@@ -113,7 +114,7 @@ LeafChanges update(Octree& octree, const BundleGrid& bundles, const UpdateParame
 LeafChanges apply(Octree& octree, const BundleGrid& bundles, const Evidence& evidence,
                   const UpdateParameters& parameters, double view_weight) {
   const std::size_t erased = contradict_leaves(octree, bundles, evidence, parameters);
-  return {confirm_leaves(octree, bundles, parameters, view_weight), erased};
+  return {confirm_leaves(octree, bundles, evidence.alignment_error, parameters, view_weight), erased};
 }
 
 }  // namespace evermap

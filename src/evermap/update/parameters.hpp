@@ -25,6 +25,8 @@ struct UpdateParameters {
   double long_term_max_log_odds = 9;  ///< what only many scans can tell
   int confirmations = 3;              ///< [scans] that must hit a new leaf before it is occupied
   double max_count = 1000;            ///< [points] that a leaf remembers: older surface is forgotten
+  double settled = 3;                 ///< [standard deviations] a known surface that a hit shows so near
+                                      ///< to where it was stays there; 0: every hit moves it
   double forgetting = 0.5;            ///< fraction of these that one full contradiction takes
 
   double standstill = 0.1;  ///< [m] a sensor that moved less sees the same again (Viewpoint); 0: never
@@ -45,6 +47,7 @@ inline UpdateParameters UpdateParameters::paper() {
   parameters.long_term_hit = 0;
   parameters.confirmations = 1;
   parameters.max_count = 100;
+  parameters.settled = 0;
   parameters.forgetting = 0;
   parameters.standstill = 0;
   return parameters;

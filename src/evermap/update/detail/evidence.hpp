@@ -31,6 +31,7 @@ struct LeafEvidence {
 struct Evidence {
   std::vector<Contradiction> contradictions;
   std::vector<LeafEvidence> leaves;
+  double alignment_error = 0;  ///< of the scan [m], where the rules ask for it
 };
 
 /// Fraction of a scan's bundles that contradict leaves; spared leaves do not count.

@@ -10,7 +10,8 @@ namespace evermap {
 
 /// Additive: the union N_V u N_R, and one step up in occupancy. A leaf of count 0 is new: it becomes the
 /// bundle and stays pending until `confirmations` scans have hit it. `center_map` [m] is the voxel's centre.
-void confirm(Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& center_map,
+/// `error`: of the scan's alignment [m], see alignment_error().
+void confirm(Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& center_map, double error,
              const UpdateParameters& parameters);
 
 /// Subtractive: one step down in occupancy, scaled by the impact of all rays of the scan together, and as
