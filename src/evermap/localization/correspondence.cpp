@@ -71,6 +71,57 @@ double thickness(const Leaf& leaf, const Eigen::Vector3d& normal) {
   return std::sqrt(std::max(0.0, normal.dot(leaf.covariance_matrix() * normal)));
 }
 
+/// Whether a thick leaf is a piece of a wall whose faces both lie in it: the leaves beside it are as thick,
+/// and in line with it. Where a wall meets the ground, or among leaves of trees, they are not.
+bool is_wall(LeafFinder<const Octree>& finder, const VoxelGrid& grid, const Correspondence& match,
+             double thick) {
+  constexpr double kInLine = 0.3;  // times the thickness
+  constexpr int kLeast = 2;        // leaves beside it that tell
+  const auto voxel = grid.voxel(match.mean_leaf);
+  if (!voxel) return false;
+  Eigen::Index across_wall = 0;
+  match.normal.cwiseAbs().maxCoeff(&across_wall);
+  int beside = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (axis == across_wall) continue;
+    for (const int step : {-1, 1}) {
+      const Eigen::Vector3i there = *voxel + step * Eigen::Vector3i::Unit(axis);
+      const Leaf* leaf = VoxelKey::in_range(there) ? finder.find(VoxelKey::from_voxel(there)) : nullptr;
+      if (leaf == nullptr || !leaf->occupied()) continue;
+      const double off = match.normal.dot(leaf->gaussian(grid.center(there)).mean - match.mean_leaf);
+      if (std::abs(off) > kInLine * thick) return false;
+      if (std::abs(thickness(*leaf, match.normal) - thick) > kInLine * thick) return false;
+      ++beside;
+    }
+  }
+  return beside >= kLeast;
+}
+
+/// The far and the near face of a wall may lie in one leaf, whose Gaussian then is as thick as the wall, and
+/// its mean in the middle of it. A bundle much thinner than its leaf shows one of two faces: as thick as the
+/// bundle each, and so far from the mean that both together are as thick as the leaf. The sensor sees the
+/// nearer one.
+void choose_face(Correspondence& match, LeafFinder<const Octree>& finder, const VoxelGrid& grid,
+                 const Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& sensor_map) {
+  constexpr double kThick = 0.2;    // of an edge: half of a wall's thickness, at least,
+  constexpr double kMost = 0.2;     // [m] and at most
+  constexpr double kThicker = 3;    // times the bundle's
+  constexpr double kUnsure = 0.25;  // of the faces' offset: one may have more points than the other
+  const Eigen::Vector3d& n = match.normal;
+  const double thick = thickness(leaf, n);
+  if (thick < kThick * grid.edge || thick > kMost) return;
+  const double face = n.dot(bundle.covariance * n);
+  if (thick * thick < kThicker * kThicker * face || !is_wall(finder, grid, match, thick)) return;
+  const double offset = std::sqrt(thick * thick - face);
+  match.mean_leaf += std::copysign(offset, n.dot(sensor_map - match.mean_leaf)) * n;
+  const Eigen::Matrix3d within = Eigen::Matrix3d::Identity() - n * n.transpose();
+  const double across = face + kUnsure * kUnsure * offset * offset;
+  match.information =
+      (within * leaf.covariance_matrix() * within + across * n * n.transpose() + bundle.covariance).inverse();
+  const Eigen::Vector3d residual = match.mean_leaf - bundle.mean;
+  match.mahalanobis_squared = residual.dot(match.information * residual);
+}
+
 /// Whether a face stands so close in front of this one that the sensor sees that one and never this: the far
 /// face of a wall. Surveys show both.
 bool is_hidden(LeafFinder<const Octree>& finder, const VoxelGrid& grid, const Leaf& leaf,
@@ -133,6 +184,7 @@ std::vector<std::optional<Correspondence>> correspond(const Octree& map,
   LeafFinder finder(map);
   const auto is_seen = [&](std::size_t i) {
     matches[i]->normal = stiffest_axis(matches[i]->information);
+    choose_face(*matches[i], finder, map.grid(), *leaves[i], bundles[i], T_map_sensor.translation);
     return !is_hidden(finder, map.grid(), *leaves[i], *matches[i], T_map_sensor.translation);
   };
   for (std::size_t i = 0; i < bundles.size(); ++i) {

@@ -126,8 +126,7 @@ double contradicting_fraction(const Evidence& evidence, const BundleGrid& bundle
 }
 
 Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters) {
-  const bool is_asked =
-      parameters.hit_margin > 0 || parameters.surface_crossing ||
+  const bool is_asked = parameters.hit_margin > 0 || parameters.surface_crossing ||
                         parameters.spare_reobserved || parameters.settled > 0;
   const double error = is_asked ? alignment_error(octree, bundles) : 0;
   Evidence evidence{find_contradictions(octree, bundles, error, parameters), {}, error};

@@ -21,10 +21,10 @@ double raised(double log_odds, const UpdateParameters& parameters) {
                   std::max(parameters.long_term_max_log_odds, parameters.max_log_odds));
 }
 
-/// A known surface and what a hit adds to it. The pose of a scan was found by the surfaces that it hits, so it
-/// cannot tell them where they are: what is seen where it was stays there, or the map would follow the errors
-/// of the poses. Across its plane, a flat leaf counts as seen when a hit is off it by no more than noise and
-/// `error` [m] explain; another leaf, when a hit lies within it.
+/// A known surface and what a hit adds to it. The pose of a scan was found by the surfaces that it hits, so
+/// it cannot tell them where they are: what is seen where it was stays there, or the map would follow the
+/// errors of the poses. Across its plane, a flat leaf counts as seen when a hit is off it by no more than
+/// noise and `error` [m] explain; another leaf, when a hit lies within it.
 Gaussian united(const Gaussian& known, const Gaussian& hit, double error,
                 const UpdateParameters& parameters) {
   Gaussian both = merge(known, hit);
@@ -50,7 +50,8 @@ Gaussian united(const Gaussian& known, const Gaussian& hit, double error,
 void confirm(Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& center_map, double error,
              const UpdateParameters& parameters) {
   const bool is_new = leaf.count <= 0;
-  const bool is_known = parameters.settled > 0 && leaf.log_odds >= static_cast<float>(parameters.max_log_odds);
+  const bool is_known =
+      parameters.settled > 0 && leaf.log_odds >= static_cast<float>(parameters.max_log_odds);
   Gaussian surface = is_new     ? bundle
                      : is_known ? united(leaf.gaussian(center_map), bundle, error, parameters)
                                 : merge(leaf.gaussian(center_map), bundle);
