@@ -41,7 +41,8 @@ constexpr std::pair<const char*, Experiment (*)(const Setup&)> kExperiments[] = 
     {"localization", experiment_localization},
     {"timing", experiment_timing},
     {"ablation", experiment_ablation},
-    {"robustness", experiment_robustness}};
+    {"robustness", experiment_robustness},
+    {"worlds", experiment_worlds}};
 
 /// Computes what is not there yet, and says on the standard error what is under way.
 void compute(const ResultCache& cache, const std::vector<Unit>& units) {

@@ -18,9 +18,12 @@ namespace {
 /// A surface counts as observed where a ray ended in its voxel of this size.
 const VoxelGrid kObserved{.edge = 0.2};
 
-Scenario scenario_of(const ScenarioChoice& choice, std::uint64_t seed) {
-  Scenario scenario = shipped_scenario(choice.scenario);
+Scenario with_seed(Scenario scenario, std::uint64_t seed) {
   scenario.seed = seed;
+  return scenario;
+}
+
+Scenario as_chosen(Scenario scenario, const ScenarioChoice& choice) {
   const int scans = choice.scans.value_or(scenario.scans);
   if (choice.stands_at_middle) {
     const double middle = 0.5 * std::min(scans, scenario.scans) / scenario.lidar.rate;
@@ -54,13 +57,16 @@ class SceneDistances {
 
 }  // namespace
 
-ScenarioDataset::ScenarioDataset(ScenarioChoice choice, std::uint64_t seed)
-    : choice_(std::move(choice)), drive_(scenario_of(choice_, seed)) {
-  const Scenario& scenario = drive_.scenario();
-  area = choice_.area.isEmpty() ? scenario.area : choice_.area;
+ScenarioDataset::ScenarioDataset(const ScenarioChoice& choice, std::uint64_t seed)
+    : ScenarioDataset(with_seed(shipped_scenario(choice.scenario), seed), choice) {}
+
+ScenarioDataset::ScenarioDataset(Scenario scenario, ScenarioChoice choice)
+    : choice_(std::move(choice)), drive_(as_chosen(std::move(scenario), choice_)) {
+  const Scenario& driven = drive_.scenario();
+  area = choice_.area.isEmpty() ? driven.area : choice_.area;
   view = choice_.view.isEmpty() ? area : choice_.view;
-  lidar.range_sigma = scenario.lidar.range_sigma;
-  position_sigma = scenario.lidar.range_sigma;
+  lidar.range_sigma = driven.lidar.range_sigma;
+  position_sigma = driven.lidar.range_sigma;
 
   std::vector<LabelledScan> labelled((drive_.size() + choice_.every - 1) / choice_.every);
   oneapi::tbb::parallel_for(std::size_t{0}, labelled.size(),

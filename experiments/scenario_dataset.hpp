@@ -17,7 +17,7 @@ namespace evermap {
 /// Which scans of a scenario are driven, and how finely its surface is sampled. The truth's spacing should be
 /// no simple fraction of a leaf: samples would all lie equally far from the leaves' middles.
 struct ScenarioChoice {
-  std::string scenario;           ///< one that comes with evermap
+  std::string scenario{};         ///< one that comes with evermap, unless another is given
   std::size_t every = 1;          ///< each so many scans one is used
   std::optional<int> scans{};     ///< of the scenario, from the first; none: all
   double survey_spacing = 0.1;    ///< [m]
@@ -30,8 +30,9 @@ struct ScenarioChoice {
 /// A simulated run. Its truth is exact: what moves is left out, what grows is as it is at that scan.
 class ScenarioDataset final : public Dataset {
  public:
-  /// Simulates all scans, in parallel in the caller's TBB arena.
-  ScenarioDataset(ScenarioChoice choice, std::uint64_t seed);
+  /// Simulates all scans, in parallel in the caller's TBB arena. `seed`: of the sensor's noise.
+  ScenarioDataset(const ScenarioChoice& choice, std::uint64_t seed);
+  ScenarioDataset(Scenario scenario, ScenarioChoice choice);
 
   std::size_t number(std::size_t scan) const override { return scan * choice_.every; }
   Points survey() const override { return drive_.survey(choice_.survey_spacing); }

@@ -110,17 +110,31 @@ double paper_impact(const ReferenceLeaf& leaf, const Vector3d& o, const Bundle& 
   return std::max(0.0, 1 - apart / (std::sqrt(kQuantile95) * longest));
 }
 
-double approach_impact(const ReferenceLeaf& leaf, const Vector3d& o, const Bundle& bundle, double free,
-                       double error, const Parameters& parameters) {
-  const Vector3d u = (bundle.mean - o).normalized();
-  const Matrix3d P = leaf.covariance.inverse();
-  const double along = std::max(0.0, u.dot(P * (leaf.mean - o)) / u.dot(P * u));
-  if (along > free) return 0;
-  const double likelihood = std::exp(-squared_distance(o + along * u, leaf.mean, leaf.covariance) / 2);
-  if (likelihood < parameters.update.least_impact) return 0;
+/// What is known of a leaf and what is not: n points, and as many as extent_prior anywhere in the voxel,
+/// though not off a flat leaf's plane.
+Matrix3d extent(const ReferenceLeaf& leaf, const Eigensystem& eigen, bool flat, double edge,
+                const UpdateParameters& parameters) {
+  const double prior = parameters.extent_prior;
+  Vector3d unseen = Vector3d::Constant(edge * edge / 12 * prior / (leaf.count + prior));
+  if (flat) unseen[0] = 0;
+  return leaf.covariance + eigen.eigenvectors() * unseen.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+double approach_impact(const ReferenceLeaf& leaf, double edge, const Vector3d& o, const Bundle& bundle,
+                       double free, double error, const Parameters& parameters) {
   const Eigensystem eigen(leaf.covariance);
   const Vector3d n = eigen.eigenvectors().col(0);
   const bool flat = eigen.eigenvalues()[0] < 0.2 * eigen.eigenvalues()[1];
+  const Vector3d u = (bundle.mean - o).normalized();
+  const Matrix3d S = extent(leaf, eigen, flat, edge, parameters.update);
+  const Matrix3d P = S.inverse();
+  const double along = std::max(0.0, u.dot(P * (leaf.mean - o)) / u.dot(P * u));
+  if (along > free) return 0;
+  double squared = squared_distance(o + along * u, leaf.mean, S);
+  if (flat)
+    squared = std::max(0.0, squared - parameters.update.patch_radius * parameters.update.patch_radius);
+  const double likelihood = std::exp(-squared / 2);
+  if (likelihood < parameters.update.least_impact) return 0;
   const double length = (bundle.mean - o).norm();
   if (!(flat && parameters.update.surface_crossing) && length - along < parameters.update.hit_margin * error)
     return 0;
@@ -157,7 +171,7 @@ Evidence gathered(const std::map<VoxelKey, ReferenceLeaf>& leaves, const std::ve
       if (leaf == leaves.end() || key == bundle.key) continue;
       if (!parameters.update.trim_leaves && hit.contains(key)) continue;
       const double impact = parameters.update.impact == ImpactRule::kClosestApproach
-                                ? approach_impact(leaf->second, o, bundle, free, error, parameters)
+                                ? approach_impact(leaf->second, grid.edge, o, bundle, free, error, parameters)
                                 : paper_impact(leaf->second, o, bundle, paper_free, parameters.update.impact);
       if (impact > 0) evidence[key].push_back({&bundle, rounded(impact)});
     }
@@ -243,9 +257,36 @@ bool subtract_sigma_points(ReferenceLeaf& leaf, const Vector3d& o, const Bundle&
   return determined;
 }
 
+/// A known leaf keeps what a hit confirms: a flat one its plane, another one all of its shape.
+void keep_settled(ReferenceLeaf& leaf, const ReferenceLeaf& old, const Bundle& bundle, double error,
+                  double settled) {
+  const Eigensystem eigen(old.covariance);
+  const double bound = settled * settled;
+  if (eigen.eigenvalues()[0] >= 0.2 * eigen.eigenvalues()[1]) {
+    if (squared_distance(bundle.mean, old.mean, old.covariance) >= bound) return;
+    leaf.mean = old.mean;
+    leaf.covariance = old.covariance;
+    return;
+  }
+  const Matrix3d axes = eigen.eigenvectors();  // the plane's normal first
+  const double across = eigen.eigenvalues()[0];
+  const Matrix3d hit = axes.transpose() * bundle.covariance * axes;
+  const Vector3d apart = axes.transpose() * (bundle.mean - old.mean);
+  const double noise = error * error + across / old.count + hit(0, 0) / bundle.count;
+  if (apart[0] * apart[0] > bound * noise) return;
+  Vector3d moved = axes.transpose() * (leaf.mean - old.mean);
+  moved[0] = 0;
+  Matrix3d shape = axes.transpose() * leaf.covariance * axes;
+  shape.row(0).setZero();
+  shape.col(0).setZero();
+  shape(0, 0) = across;
+  leaf.mean = old.mean + axes * moved;
+  leaf.covariance = axes * shape * axes.transpose();
+}
+
 /// Equation 7, the union, and one step up.
 void confirm(std::map<VoxelKey, ReferenceLeaf>& leaves, const Bundle& bundle, const VoxelGrid& grid,
-             const Parameters& parameters, int confirmations) {
+             const Parameters& parameters, int confirmations, double error, double settled) {
   const auto found = leaves.find(bundle.key);
   ReferenceLeaf leaf{bundle.mean, bundle.covariance, bundle.count,
                      parameters.update.hit * (2 - confirmations)};
@@ -259,6 +300,8 @@ void confirm(std::map<VoxelKey, ReferenceLeaf>& leaves, const Bundle& bundle, co
              bundle.count * (bundle.covariance + about(bundle.mean))) /
                 n,
             n, old.log_odds + parameters.update.hit};
+    if (settled > 0 && old.log_odds >= rounded(parameters.update.max_log_odds))
+      keep_settled(leaf, old, bundle, error, settled);
     if (old.log_odds >= parameters.update.max_log_odds) {
       const double most = std::max(parameters.update.long_term_max_log_odds, parameters.update.max_log_odds);
       leaf.log_odds = std::min(old.log_odds + parameters.update.long_term_hit, most);
@@ -276,7 +319,7 @@ void confirm(std::map<VoxelKey, ReferenceLeaf>& leaves, const Bundle& bundle, co
 void ReferenceUpdate::add(const Scan& scan, const Pose& T_map_sensor, const Parameters& parameters) {
   ambiguous.clear();
   for (const Bundle& bundle : condensed(scan, T_map_sensor, grid_, parameters)) {
-    confirm(leaves, bundle, grid_, parameters, 1);
+    confirm(leaves, bundle, grid_, parameters, 1, 0, 0);
   }
 }
 
@@ -306,7 +349,8 @@ void ReferenceUpdate::update(const Scan& scan, const Pose& T_map_sensor, const P
     if (was_occupied ? leaf.log_odds <= 0 : leaf.log_odds < least) leaves.erase(key);
   }
   for (const Bundle& bundle : bundles)
-    confirm(leaves, bundle, grid_, parameters, parameters.update.confirmations);
+    confirm(leaves, bundle, grid_, parameters, parameters.update.confirmations, error,
+            parameters.update.settled);
 }
 
 }  // namespace evermap::test

@@ -82,10 +82,16 @@ TEST(PlaneOf, IsFlatOnlyBelowAFifthOfTheMiddleVariance) {
 /// A patch of ground at the origin, 1 cm thick, and rays along x that pass it.
 class DefaultImpact : public ::testing::Test {
  protected:
-  double of(const Ray& ray, double free_fraction = 1, double error = 0) const {
-    return impact(ground_, ray, 1e-4 * Matrix3d::Identity(), free_fraction, error, parameters_);
+  DefaultImpact() {
+    parameters_.extent_prior = 0;
+    parameters_.patch_radius = 0;
   }
 
+  double of(const Ray& ray, double free_fraction = 1, double error = 0) const {
+    return impact(ground_, kEdge, ray, 1e-4 * Matrix3d::Identity(), free_fraction, error, parameters_);
+  }
+
+  static constexpr double kEdge = 0.4;  ///< [m]
   Gaussian ground_{Vector3d::Zero(), Vector3d(0.01, 0.01, 0.0001).asDiagonal(), 50};
   Ray through_{Vector3d(-6, 0, 2), Vector3d(3, 0, -1)};          ///< through the mean, ends 1 m below
   Ray grazing_{Vector3d(-10, 0, 0.02), Vector3d(10, 0, 0.015)};  ///< ends above the ground
@@ -137,6 +143,37 @@ TEST_F(DefaultImpact, SmallImpactsAreIgnored) {
   EXPECT_NEAR(of(beside), std::exp(-2), 1e-9);
   parameters_.least_impact = 0.14;
   EXPECT_EQ(of(beside), 0);
+}
+
+/// 0.15 m from a few points, in a voxel of 0.4 m, a surface may well be; 0.15 m from many, it is not.
+TEST_F(DefaultImpact, FewPointsDoNotTellWhereALeafEnds) {
+  const Ray beside{Vector3d(0.15, 0, 2), Vector3d(0.15, 0, -1)};
+  ground_.covariance = Vector3d(4e-4, 4e-4, 1e-5).asDiagonal();
+  EXPECT_EQ(of(beside), 0);  // 7.5 sigma
+  parameters_.extent_prior = 1;
+  ground_.count = 1;
+  EXPECT_NEAR(of(beside), std::exp(-0.5 * 0.0225 / (4e-4 + 0.16 / 12 / 2)), 1e-9);
+  ground_.count = 100;
+  EXPECT_EQ(of(beside), 0);
+}
+
+/// A ray that misses a flat leaf along its plane does not come nearer because the leaf has few points.
+TEST_F(DefaultImpact, WhereAFlatLeafLiesAcrossItsPlaneIsKnown) {
+  parameters_.extent_prior = 8;
+  parameters_.surface_crossing = false;
+  ground_.count = 1;
+  const Ray above{Vector3d(-10, 0, 0.05), Vector3d(10, 0, 0.05)};  // 5 sigma
+  EXPECT_EQ(of(above), 0);
+  ground_.covariance = 1e-4 * Matrix3d::Identity();
+  EXPECT_GT(of(above), 0.5);
+}
+
+TEST_F(DefaultImpact, AFlatLeafCoversItsPlaneToThePatchRadius) {
+  parameters_.patch_radius = 1.5;
+  EXPECT_NEAR(of({Vector3d(0.14, 0, 2), Vector3d(0.14, 0, -1)}), 1, 1e-12);
+  EXPECT_NEAR(of({Vector3d(0.2, 0, 2), Vector3d(0.2, 0, -1)}), std::exp(-0.5 * (4 - 2.25)), 1e-9);
+  ground_.covariance = 0.01 * Matrix3d::Identity();
+  EXPECT_NEAR(of({Vector3d(0.14, 0, 2), Vector3d(0.14, 0, -1)}), std::exp(-0.5 * 1.96), 1e-9);
 }
 
 TEST_F(DefaultImpact, SaysNothingBeyondTheFreeFraction) {

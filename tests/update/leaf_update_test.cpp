@@ -18,6 +18,7 @@ using Eigen::Vector3d;
 using test::Random;
 
 const Vector3d kCenter(10.1, -4.3, 2.5);  ///< [m] of the voxel under test
+constexpr double kError = 0.002;          ///< [m] of the scans' alignment
 
 Gaussian bundle_near_center(Random& random, double count) {
   return {kCenter + random.in_cube(0.08), random.covariance(0.01, 0.06), count};
@@ -28,7 +29,7 @@ int hits_until_occupied(const UpdateParameters& parameters) {
   Random random(1);
   Leaf leaf;
   for (int hits = 1; hits < 50; ++hits) {
-    confirm(leaf, bundle_near_center(random, 5), kCenter, parameters);
+    confirm(leaf, bundle_near_center(random, 5), kCenter, kError, parameters);
     if (leaf.occupied()) return hits;
   }
   return -1;
@@ -56,7 +57,7 @@ TEST(Confirm, NewLeafBecomesTheBundle) {
   for (int i = 0; i < 200; ++i) {
     const Gaussian bundle = bundle_near_center(random, random.integer(1, 50));
     Leaf leaf;
-    confirm(leaf, bundle, kCenter, {});
+    confirm(leaf, bundle, kCenter, kError, {});
     const Gaussian surface = leaf.gaussian(kCenter);
     EXPECT_LE((surface.mean - bundle.mean).norm(), 2e-8);
     EXPECT_LE((surface.covariance - bundle.covariance).norm(), 1e-6 * bundle.covariance.trace());
@@ -71,8 +72,8 @@ TEST(Confirm, MergesAndCapsTheCount) {
   for (int i = 0; i < 200; ++i) {
     const Gaussian first = bundle_near_center(random, 80), second = bundle_near_center(random, 60);
     Leaf leaf;
-    confirm(leaf, first, kCenter, parameters);
-    confirm(leaf, second, kCenter, parameters);
+    confirm(leaf, first, kCenter, kError, parameters);
+    confirm(leaf, second, kCenter, kError, parameters);
     const Gaussian surface = leaf.gaussian(kCenter);
     const Gaussian expected = merge(first, second);
     EXPECT_LE((surface.mean - expected.mean).norm(), 3e-8);
@@ -81,12 +82,65 @@ TEST(Confirm, MergesAndCapsTheCount) {
   }
 }
 
+/// A surveyed patch, 2 cm thick, across a random direction.
+struct Patch {
+  explicit Patch(Random& random) : axes(random.rotation()) {
+    leaf.set_gaussian(piece(0, 100), kCenter);
+    leaf.log_odds = 3;
+  }
+
+  /// A piece of it, displaced along its normal [m].
+  Gaussian piece(double displacement, double count) const {
+    const Vector3d variance(4e-4, 0.01, 0.013);
+    return {kCenter + displacement * axes.col(0), axes * variance.asDiagonal() * axes.transpose(), count};
+  }
+  double offset() const { return axes.col(0).dot(leaf.gaussian(kCenter).mean - kCenter); }
+
+  Matrix3d axes;
+  Leaf leaf;
+};
+
+/// However often poses are wrong to the same side, by less than the scan's own error tells.
+TEST(Confirm, LeavesAKnownPlaneWhereItIsSeen) {
+  Random random(8);
+  for (int i = 0; i < 50; ++i) {
+    Patch patch(random);
+    for (int hit = 0; hit < 1000; ++hit)
+      confirm(patch.leaf, patch.piece(0.005, 30), kCenter, kError, UpdateParameters{});
+    EXPECT_NEAR(patch.offset(), 0, 1e-5);
+    const Matrix3d S = patch.leaf.covariance_matrix();
+    EXPECT_NEAR(patch.axes.col(0).dot(S * patch.axes.col(0)), 4e-4, 4e-6);
+  }
+}
+
+TEST(Confirm, MovesAKnownPlaneThatIsSeenElsewhere) {
+  Random random(9);
+  for (int i = 0; i < 50; ++i) {
+    Patch patch(random);
+    for (int hit = 0; hit < 50; ++hit)
+      confirm(patch.leaf, patch.piece(0.05, 30), kCenter, kError, UpdateParameters{});
+    EXPECT_NEAR(patch.offset(), 0.05, 0.02);
+  }
+}
+
+/// Within its plane a known leaf still learns how far it reaches.
+TEST(Confirm, WidensAKnownPlaneWithinItself) {
+  Random random(10);
+  Patch patch(random);
+  Gaussian beside = patch.piece(0, 100);
+  beside.mean += 0.1 * patch.axes.col(1);
+  confirm(patch.leaf, beside, kCenter, kError, UpdateParameters{});
+  const Gaussian surface = patch.leaf.gaussian(kCenter);
+  EXPECT_NEAR(patch.axes.col(1).dot(surface.mean - kCenter), 0.05, 1e-6);
+  EXPECT_NEAR(patch.axes.col(1).dot(surface.covariance * patch.axes.col(1)), 0.01 + 0.0025, 1e-6);
+}
+
 std::vector<float> log_odds_of_hits(const UpdateParameters& parameters, int hits) {
   Random random(4);
   Leaf leaf;
   std::vector<float> log_odds;
   for (int i = 0; i < hits; ++i) {
-    confirm(leaf, bundle_near_center(random, 5), kCenter, parameters);
+    confirm(leaf, bundle_near_center(random, 5), kCenter, kError, parameters);
     log_odds.push_back(leaf.log_odds);
   }
   return log_odds;
@@ -147,9 +201,9 @@ TEST(Contradict, PendingLeafGoesBelowAFirstHit) {
   Random random(5);
   const UpdateParameters parameters;
   Leaf once;
-  confirm(once, bundle_near_center(random, 5), kCenter, parameters);
+  confirm(once, bundle_near_center(random, 5), kCenter, kError, parameters);
   Leaf twice = once;
-  confirm(twice, bundle_near_center(random, 5), kCenter, parameters);
+  confirm(twice, bundle_near_center(random, 5), kCenter, kError, parameters);
   EXPECT_FALSE(twice.occupied());
   Leaf untouched = once;
   EXPECT_TRUE(contradict(untouched, 0, parameters));

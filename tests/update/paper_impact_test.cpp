@@ -212,8 +212,8 @@ TEST(PaperImpact, IsEquation5WhereTheBundleResemblesTheLeafMost) {
     for (const auto rule : {ImpactRule::kEquation5Inverse, ImpactRule::kEquation5Printed}) {
       parameters.impact = rule;
       const double expected = equation5(e.leaf, travelling(e, t), rule);
-      EXPECT_NEAR(impact(e.leaf, e.ray, e.bundle.covariance, 1, 0, parameters), expected, 1e-6);
-      EXPECT_EQ(impact(e.leaf, e.ray, e.bundle.covariance, t * (1 - 1e-6), 0, parameters), 0);
+      EXPECT_NEAR(impact(e.leaf, 0.4, e.ray, e.bundle.covariance, 1, 0, parameters), expected, 1e-6);
+      EXPECT_EQ(impact(e.leaf, 0.4, e.ray, e.bundle.covariance, t * (1 - 1e-6), 0, parameters), 0);
       ++seen[expected == 0 ? 0 : expected < 1 ? 1 : 2];
     }
   }

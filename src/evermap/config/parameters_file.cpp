@@ -42,9 +42,9 @@ void for_each_lidar_field(Lidar& lidar, Visit&& visit) {
 
 template <class Update, class Visit>
 void for_each_update_field(Update& update, Visit&& visit) {
-  auto& [impact, combination, spare_reobserved, surface_crossing, trim_leaves, least_impact, hit_margin,
-         surface_tolerance, hit, miss, max_log_odds, long_term_hit, long_term_max_log_odds, confirmations,
-         max_count, forgetting, standstill] = update;
+  auto& [impact, combination, spare_reobserved, surface_crossing, trim_leaves, least_impact, extent_prior,
+         patch_radius, hit_margin, surface_tolerance, hit, miss, max_log_odds, long_term_hit,
+         long_term_max_log_odds, confirmations, max_count, settled, forgetting, standstill] = update;
   visit("update.impact", impact, "", Limits{}, "how a ray's contradiction of a leaf is measured");
   visit("update.combination", combination, "", Limits{},
         "how the impacts of one scan's bundles become one step");
@@ -55,6 +55,10 @@ void for_each_update_field(Update& update, Visit&& visit) {
   visit("update.trim_leaves", trim_leaves, "", kAnyBool,
         "rays take from a leaf's geometry, too (equation 6 of the paper)");
   visit("update.least_impact", least_impact, "", kFraction, "smaller impacts are ignored");
+  visit("update.extent_prior", extent_prior, "points", Limits{0, 1000},
+        "weight of not knowing where in its voxel a surface is");
+  visit("update.patch_radius", patch_radius, "standard deviations", Limits{0, 10},
+        "so near to its middle, a flat leaf covers its plane");
   visit("update.hit_margin", hit_margin, "alignment errors", Limits{0, 10000},
         "before its hit, a ray contradicts no leaf without a plane");
   visit("update.surface_tolerance", surface_tolerance, "alignment errors", Limits{0, 1000},
@@ -70,6 +74,8 @@ void for_each_update_field(Update& update, Visit&& visit) {
         "that must hit a new leaf before it is occupied");
   visit("update.max_count", max_count, "points", Limits{1, 1e6},
         "that a leaf remembers; older surface is forgotten");
+  visit("update.settled", settled, "standard deviations", Limits{0, 100},
+        "a known surface that a hit shows so near to where it was stays there; 0: never");
   visit("update.forgetting", forgetting, "", kFraction,
         "fraction of the remembered points that one full contradiction takes");
   visit("update.standstill", standstill, "m", Limits{0, 100},

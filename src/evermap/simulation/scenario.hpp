@@ -114,6 +114,10 @@ struct Scenario {
   std::vector<ScenarioObject> objects;  ///< ids are 1, 2, ... in this order; the ground is 0
 };
 
+/// From a text. Throws FileError naming `source` and the line of what is wrong. Files that the text names are
+/// looked for in `folder`.
+Scenario parse_scenario(const std::string& source, std::string text,
+                        const std::filesystem::path& folder = {});
 /// Throws FileError naming the line of what is wrong.
 Scenario read_scenario(const std::filesystem::path& path);
 

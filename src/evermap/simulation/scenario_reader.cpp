@@ -164,7 +164,9 @@ void read_objects(const YamlMap& map, const std::filesystem::path& folder, Scena
   }
 }
 
-Scenario parse(const std::string& source, std::string text, const std::filesystem::path& folder) {
+}  // namespace
+
+Scenario parse_scenario(const std::string& source, std::string text, const std::filesystem::path& folder) {
   Scenario scenario;
   scenario.source = source;
   scenario.text = std::move(text);
@@ -179,16 +181,14 @@ Scenario parse(const std::string& source, std::string text, const std::filesyste
   return scenario;
 }
 
-}  // namespace
-
 Scenario read_scenario(const std::filesystem::path& path) {
   const InputFile file(path);
-  return parse(path.string(), std::string(file.bytes()), path.parent_path());
+  return parse_scenario(path.string(), std::string(file.bytes()), path.parent_path());
 }
 
 Scenario shipped_scenario(const std::string& name) {
   const std::string_view text = name == kBodies ? std::string_view() : shipped_text(name);
-  if (!text.empty()) return parse(name, std::string(text), {});
+  if (!text.empty()) return parse_scenario(name, std::string(text));
   std::string known;
   for (const std::string& other : shipped_scenario_names()) known += " " + other;
   throw FileError(name, "is no shipped scenario; there are" + known);

@@ -25,7 +25,7 @@ std::vector<Contradiction> gather(const Octree& octree, const BundleGrid& bundle
   for (const Encounter& encounter : find_encounters(bundles, fan, bricks, parameters)) {
     const RayBundle& bundle = bundles.bundles()[encounter.bundle];
     const Ray ray{bundles.origin_map, encounter.target.end_map};
-    const double value = impact(octree.gaussian(encounter.key, *encounter.leaf), ray,
+    const double value = impact(octree.gaussian(encounter.key, *encounter.leaf), octree.grid().edge, ray,
                                 bundle.points.covariance, encounter.target.until, error, parameters);
     if (value <= 0 || encounter.key == bundle.key) continue;
     found.push_back({encounter.key, encounter.bundle, static_cast<float>(value)});

@@ -51,15 +51,35 @@ bool crosses(const Plane& plane, const Eigen::Vector3d& on_plane, const Ray& ray
          std::abs(end_side) > 3 * plane.sigma + parameters.surface_tolerance * error;
 }
 
-double default_impact(const Gaussian& leaf, const Ray& ray, double free_fraction, double error,
+/// Variance [m^2] of where else in a voxel of this edge [m] a leaf's surface may be: few points do not tell.
+double unseen_variance(const Gaussian& leaf, double edge, const UpdateParameters& parameters) {
+  const double anywhere = edge * edge / 12;
+  return anywhere * parameters.extent_prior / (leaf.count + parameters.extent_prior);
+}
+
+Gaussian widened(const Gaussian& leaf, const Eigen::Matrix3d& unseen) {
+  return {leaf.mean, leaf.covariance + unseen, leaf.count};
+}
+
+/// How likely the surface is where a ray comes closest, relative to the middle of it.
+double likelihood_of(const Approach& approach, double plateau) {
+  return std::exp(-0.5 * std::max(0.0, approach.mahalanobis_squared - plateau));
+}
+
+double default_impact(const Gaussian& leaf, double edge, const Ray& ray, double free_fraction, double error,
                       const UpdateParameters& parameters) {
-  const Approach approach = closest_approach(ray, leaf);
-  const double exponent = 0.5 * approach.mahalanobis_squared;
-  // exp(-x) <= 1 / (1 + x) turns most rays away before anything dear is computed.
-  if (parameters.least_impact * (1 + exponent) > 1) return 0;
-  const double likelihood = std::exp(-exponent);
-  if (likelihood < parameters.least_impact || approach.fraction > free_fraction) return 0;
+  const double patch = parameters.patch_radius * parameters.patch_radius;
+  const double unseen = unseen_variance(leaf, edge, parameters);
+  Approach approach = closest_approach(ray, widened(leaf, unseen * Eigen::Matrix3d::Identity()));
+  // A bound for all leaves, and exp(-x) <= 1 / (1 + x), turn most rays away before anything dear is computed.
+  if (parameters.least_impact * (1 + 0.5 * (approach.mahalanobis_squared - patch)) > 1) return 0;
   const Plane plane = plane_of(leaf);
+  if (plane.flat) {  // where it lies across its plane is known
+    const Eigen::Matrix3d within = Eigen::Matrix3d::Identity() - plane.normal * plane.normal.transpose();
+    approach = closest_approach(ray, widened(leaf, unseen * within));
+  }
+  const double likelihood = likelihood_of(approach, plane.flat ? patch : 0);
+  if (likelihood < parameters.least_impact || approach.fraction > free_fraction) return 0;
   const bool is_plane_decisive = parameters.surface_crossing && plane.flat;
   const bool contradicts = is_plane_decisive ? crosses(plane, leaf.mean, ray, error, parameters)
                                              : !is_near_end(approach.fraction, ray, error, parameters);
@@ -68,10 +88,10 @@ double default_impact(const Gaussian& leaf, const Ray& ray, double free_fraction
 
 }  // namespace
 
-double impact(const Gaussian& leaf, const Ray& ray, const Eigen::Matrix3d& bundle_covariance,
+double impact(const Gaussian& leaf, double edge, const Ray& ray, const Eigen::Matrix3d& bundle_covariance,
               double free_fraction, double error, const UpdateParameters& parameters) {
   if (parameters.impact == ImpactRule::kClosestApproach) {
-    return default_impact(leaf, ray, free_fraction, error, parameters);
+    return default_impact(leaf, edge, ray, free_fraction, error, parameters);
   }
   const double t = closest_resemblance(ray, bundle_covariance, leaf);
   if (t > free_fraction || is_near_end(t, ray, error, parameters)) return 0;

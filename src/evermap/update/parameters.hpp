@@ -14,8 +14,10 @@ struct UpdateParameters {
   bool surface_crossing = true;  ///< a flat leaf is contradicted only by a ray that ends beyond its plane
   bool trim_leaves = false;      ///< rays take from a leaf's geometry, too: the paper's equation 6
   double least_impact = 0.1;     ///< in [0, 1]; smaller impacts are ignored
-  double hit_margin = 100;       ///< [alignment errors] before its hit, a ray contradicts no leaf without
-                                 ///< a plane
+  double extent_prior = 1;       ///< [points] weight of not knowing where in its voxel a surface is
+  double patch_radius = 1;  ///< [standard deviations] so near to its middle, a flat leaf covers its plane
+  double hit_margin = 100;  ///< [alignment errors] before its hit, a ray contradicts no leaf without
+                            ///< a plane
   double surface_tolerance = 9;  ///< [alignment errors] by which a surface may seem displaced
 
   double hit = 2.197;                 ///< [log-odds] gained by one hit, logit(0.9)
@@ -42,6 +44,8 @@ inline UpdateParameters UpdateParameters::paper() {
   parameters.surface_crossing = false;
   parameters.trim_leaves = true;
   parameters.least_impact = 0;
+  parameters.extent_prior = 0;
+  parameters.patch_radius = 0;
   parameters.hit_margin = 0;
   parameters.max_log_odds = 3.5;
   parameters.long_term_hit = 0;

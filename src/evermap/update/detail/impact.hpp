@@ -26,9 +26,10 @@ struct Plane {
 Plane plane_of(const Gaussian& leaf);
 
 /// Impact in [0, 1] of one bundle's ray on a leaf that it passes through, by the rules of `parameters`. Pure.
+/// `edge` [m]: of the leaf's voxel.
 /// Beyond `free_fraction` of the ray, the noise of its range forbids a verdict. `error`: of the scan's
 /// alignment [m], see alignment_error().
-double impact(const Gaussian& leaf, const Ray& ray, const Eigen::Matrix3d& bundle_covariance,
+double impact(const Gaussian& leaf, double edge, const Ray& ray, const Eigen::Matrix3d& bundle_covariance,
               double free_fraction, double error, const UpdateParameters& parameters);
 
 }  // namespace evermap
