@@ -47,6 +47,7 @@ Experiment experiment_localization(const Setup& setup);
 Experiment experiment_timing(const Setup& setup);
 Experiment experiment_ablation(const Setup& setup);
 Experiment experiment_robustness(const Setup& setup);
+Experiment experiment_arena(const Setup& setup);
 Experiment experiment_worlds(const Setup& setup);
 
 /// [m] The setup's leaf edges, or those of most experiments.

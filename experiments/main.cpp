@@ -34,15 +34,21 @@ struct Options {
 
 constexpr const char* kDemo = "demo";
 
-constexpr std::pair<const char*, Experiment (*)(const Setup&)> kExperiments[] = {
-    {"a", experiment_a},
-    {"b", experiment_b},
-    {"c", experiment_c},
-    {"localization", experiment_localization},
-    {"timing", experiment_timing},
-    {"ablation", experiment_ablation},
-    {"robustness", experiment_robustness},
-    {"worlds", experiment_worlds}};
+struct Entry {
+  const char* name;
+  Experiment (*make)(const Setup&);
+  bool is_of_all = true;  ///< else it is run by its name alone
+};
+
+constexpr Entry kExperiments[] = {{"a", experiment_a},
+                                  {"b", experiment_b},
+                                  {"c", experiment_c},
+                                  {"localization", experiment_localization},
+                                  {"timing", experiment_timing},
+                                  {"ablation", experiment_ablation},
+                                  {"robustness", experiment_robustness},
+                                  {"arena", experiment_arena, false},
+                                  {"worlds", experiment_worlds, false}};
 
 /// Computes what is not there yet, and says on the standard error what is under way.
 void compute(const ResultCache& cache, const std::vector<Unit>& units) {
@@ -94,8 +100,8 @@ void write_results(const std::filesystem::path& folder, const Experiment& experi
 Json run_experiments(const Options& options) {
   std::vector<Experiment> experiments;
   std::vector<Unit> units;
-  for (const auto& [name, make] : kExperiments) {
-    if (options.name != name && options.name != "all") continue;
+  for (const auto& [name, make, is_of_all] : kExperiments) {
+    if (options.name != name && !(options.name == "all" && is_of_all)) continue;
     const Experiment& experiment = experiments.emplace_back(make(options.setup));
     for (const std::string& reason : experiment.left_out)
       fmt::print(stderr, "experiment {}: {}\n", name, reason);
@@ -131,7 +137,7 @@ void run(const Options& options) {
 
 std::vector<std::string> names() {
   std::vector<std::string> names;
-  for (const auto& [name, make] : kExperiments) names.emplace_back(name);
+  for (const Entry& entry : kExperiments) names.emplace_back(entry.name);
   names.emplace_back("all");
   names.emplace_back(kDemo);
   return names;

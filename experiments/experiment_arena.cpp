@@ -1,0 +1,227 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <numbers>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "experiments/draw.hpp"
+#include "experiments/experiment.hpp"
+#include "experiments/pose_judge.hpp"
+#include <evermap/localization/detail/perturbation.hpp>
+#include <evermap/maintenance/map_maintainer.hpp>
+#include <evermap/maintenance/survey.hpp>
+#include <evermap/scan/detail/ray_bundle.hpp>
+#include <evermap/simulation/random_world.hpp>
+#include <evermap/simulation/scenario_drive.hpp>
+#include <evermap/update/detail/map_updater.hpp>
+
+namespace evermap {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// A short drive through a world that nobody tuned anything on.
+struct Trial {
+  std::uint64_t seed;
+  std::string_view kind;
+  RandomDrive drive;
+  double leaf;                   ///< [m]
+  std::string mount;             ///< of the sensor
+  bool is_surveyed;              ///< else the robot drove here before, with known poses
+  bool maintains;                ///< the map, with the poses that it finds
+  std::string odometry;          ///< none, true, drifting or slipping
+  Eigen::Vector3d shift;         ///< [m] of the frame, so that walls lie anywhere in the grid
+  double start_off, start_turn;  ///< [m] and [rad] by which the first pose is wrong
+};
+
+Trial trial_of(std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  Trial trial;
+  trial.seed = seed;
+  trial.kind = kWorldKinds[seed % kWorldKinds.size()];
+  trial.drive.channels = one_of(random, {16, 32, 64, 128});
+  trial.drive.starts_at_speed = one_of(random, {true, false});
+  trial.drive.changed = one_of(random, {0.0, 0.1, 0.2, 0.3, 0.5});
+  trial.leaf = one_of(random, {0.1, 0.2, 0.2, 0.4, 0.4, 0.8});
+  trial.mount = one_of(random, {"upright", "upright", "tilted", "upside down"});
+  trial.is_surveyed = one_of(random, {true, true, false});
+  trial.maintains = one_of(random, {true, false});
+  trial.odometry = one_of(random, {"none", "none", "true", "drifting", "slipping"});
+  for (int axis = 0; axis < 3; ++axis) trial.shift[axis] = uniform(random, 0, 1);
+  const double off = one_of(random, {0.0, 0.3, 1.0});
+  trial.start_off = off;
+  trial.start_turn = 10 * off * kDegree;
+  return trial;
+}
+
+/// How the sensor is mounted on the robot.
+Pose mount_of(const Trial& trial) {
+  Twist turn = Twist::Zero();
+  if (trial.mount == "tilted") turn[4] = 30 * kDegree;
+  if (trial.mount == "upside down") turn[3] = std::numbers::pi;
+  return exp(turn);
+}
+
+/// Odometry as wheels give it, from the true poses.
+class Odometry {
+ public:
+  explicit Odometry(std::string kind) : kind_(std::move(kind)) {}
+
+  std::optional<Pose> next(const Pose& T_map_sensor) {
+    constexpr int kSlip = 12;  // the scan before which the wheels turn in place
+    if (scans_++ > 0) {
+      Pose step = T_before_.inverse() * T_map_sensor;
+      if (kind_ == "drifting") step.translation *= 1.01;
+      if (kind_ == "slipping" && scans_ == kSlip) step.translation.setZero();
+      T_odom_ = T_odom_ * step;
+    }
+    T_before_ = T_map_sensor;
+    if (kind_ == "none") return std::nullopt;
+    return T_odom_;
+  }
+
+ private:
+  std::string kind_;
+  int scans_ = 0;
+  Pose T_before_, T_odom_;
+};
+
+/// The scans and poses of the drive, in the shifted frame, by the mounted sensor.
+struct Drive {
+  explicit Drive(const Trial& trial)
+      : driven(parse_scenario(fmt::format("arena {}", trial.seed),
+                              random_world(trial.kind, trial.seed, trial.drive))) {
+    const Pose T_robot_sensor = mount_of(trial);
+    const Pose T_sensor_robot = T_robot_sensor.inverse();
+    for (std::size_t i = 0; i < driven.size(); ++i) {
+      scans.push_back(driven.scan(i).scan);
+      undistorted.push_back(driven.in_map(i, scans.back()));
+      for (Eigen::Vector3d& p : scans.back().p_sensor) p = T_sensor_robot * p;
+      Pose T_map_sensor = driven.T_map_sensor(i) * T_robot_sensor;
+      worlds_pose.push_back(T_map_sensor);
+      T_map_sensor.translation += trial.shift;
+      poses.push_back(T_map_sensor);
+    }
+  }
+
+  /// The points of a scan in the sensor frame of its end.
+  std::vector<Eigen::Vector3d> at_end(std::size_t scan) const {
+    const Pose T_sensor_world = worlds_pose[scan].inverse();
+    std::vector<Eigen::Vector3d> points;
+    points.reserve(undistorted[scan].size());
+    for (const Eigen::Vector3d& p : undistorted[scan]) points.push_back(T_sensor_world * p);
+    return points;
+  }
+
+  ScenarioDrive driven;
+  std::vector<Scan> scans;
+  std::vector<std::vector<Eigen::Vector3d>> undistorted;  ///< [m] points in the world's frame
+  std::vector<Pose> worlds_pose;                          ///< in the world's frame
+  std::vector<Pose> poses;                                ///< in the map's frame, which is shifted
+};
+
+Octree map_of(const Trial& trial, const Drive& drive, const Parameters& parameters) {
+  Octree map(VoxelGrid{.edge = trial.leaf});
+  if (trial.is_surveyed) {
+    Scan cloud;
+    cloud.p_sensor = drive.driven.survey(std::min(0.1, trial.leaf / 4));
+    add_survey(map, cloud, {Eigen::Matrix3d::Identity(), trial.shift}, parameters);
+    return map;
+  }
+  for (std::size_t i = 0; i < drive.scans.size(); ++i) {
+    Scan scan;
+    scan.p_sensor = drive.at_end(i);
+    add(map, condense(scan, drive.poses[i], map.grid(), parameters.lidar), parameters.update);
+  }
+  return map;
+}
+
+/// The first pose, as wrong as the trial says, in a direction of its own.
+Pose start_of(const Trial& trial, const Pose& T_map_sensor) {
+  const double towards = static_cast<double>(trial.seed);  // [rad]
+  Twist off = Twist::Zero();
+  off.head<2>() = trial.start_off * Eigen::Vector2d(std::cos(towards), std::sin(towards));
+  off[5] = trial.start_turn * (trial.seed % 2 == 0 ? 1 : -1);
+  return perturb(T_map_sensor, off);
+}
+
+Json run_trial(std::uint64_t seed) {
+  constexpr double kWrong = 0.05;  // [m]
+  constexpr double kWrongTurn = 0.5 * kDegree;
+  const Trial trial = trial_of(seed);
+  const Drive drive(trial);
+  const RayCaster world(drive.driven.scene(0));
+  Parameters parameters;
+  parameters.lidar.range_sigma = drive.driven.scenario().lidar.range_sigma;
+  MapMaintainer maintainer(map_of(trial, drive, parameters), parameters,
+                           trial.maintains ? MapMode::kMaintenance : MapMode::kLocalization,
+                           start_of(trial, drive.poses.front()));
+  Odometry odometry(trial.odometry);
+  int observable = 0;
+  int tracked = 0;
+  int wrong = 0;
+  int wrong_written = 0;
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < drive.scans.size(); ++i) {
+    const ScanResult found =
+        maintainer.process(drive.scans[i], drive.driven.time(i), odometry.next(drive.poses[i]));
+    const PoseJudge judge(world, drive.at_end(i), drive.worlds_pose[i]);
+    observable += judge.is_observable() ? 1 : 0;
+    if (!found.is_believed()) continue;
+    tracked += judge.is_observable() ? 1 : 0;
+    Pose in_world = found.T_map_sensor;
+    in_world.translation -= trial.shift;
+    const PoseJudge::Error error = judge.error(in_world);
+    const bool is_wrong = error.translation > kWrong || error.rotation > kWrongTurn;
+    wrong += is_wrong ? 1 : 0;
+    wrong_written += is_wrong && found.is_written ? 1 : 0;
+    errors.push_back(error.translation);
+  }
+  return {{"seed", seed},
+          {"kind", trial.kind},
+          {"beams", trial.drive.channels},
+          {"leaf", trial.leaf},
+          {"mount", trial.mount},
+          {"map", trial.is_surveyed ? "survey" : "drive"},
+          {"maintains", trial.maintains},
+          {"odometry", trial.odometry},
+          {"start", trial.start_off},
+          {"at speed", trial.drive.starts_at_speed},
+          {"changed", trial.drive.changed},
+          {"scans", drive.scans.size()},
+          {"observable", observable},
+          {"tracked", tracked},
+          {"wrong", wrong},
+          {"wrong written", wrong_written},
+          {"errors", errors}};
+}
+
+/// As many trials as there are kinds of worlds, one of each.
+Unit round_of(std::uint64_t first_seed) {
+  const auto compute = [first_seed](const Progress& progress) {
+    Json trials = Json::array();
+    for (std::size_t i = 0; i < kWorldKinds.size(); ++i) {
+      progress(i, kWorldKinds.size());
+      trials.push_back(run_trial(first_seed + i));
+    }
+    return Json{{"trials", trials}};
+  };
+  return {fmt::format("arena_{}", first_seed),
+          fmt::format("trials from seed {}", first_seed),
+          {{"seed", first_seed}},
+          compute};
+}
+
+}  // namespace
+
+Experiment experiment_arena(const Setup& setup) {
+  const std::uint64_t rounds = setup.is_quick ? 2 : 91;  // 22 and 1001 trials
+  Experiment experiment{"arena"};
+  for (std::uint64_t i = 0; i < rounds; ++i)
+    experiment.units.push_back(round_of(setup.seed + i * kWorldKinds.size()));
+  return experiment;
+}
+
+}  // namespace evermap
