@@ -103,7 +103,7 @@ bool is_wall(LeafFinder<const Octree>& finder, const VoxelGrid& grid, const Corr
 /// nearer one.
 void choose_face(Correspondence& match, LeafFinder<const Octree>& finder, const VoxelGrid& grid,
                  const Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& sensor_map) {
-  constexpr double kThick = 0.2;    // of an edge: half of a wall's thickness, at least,
+  constexpr double kThick = 0.125;  // of an edge: half of a wall's thickness, at least,
   constexpr double kMost = 0.2;     // [m] and at most
   constexpr double kThicker = 3;    // times the bundle's
   constexpr double kUnsure = 0.25;  // of the faces' offset: one may have more points than the other

@@ -91,14 +91,17 @@ double Localizer::slack(const Localization& found) const {
   return has_odometry(found) ? 1 : slack(found.time);  // it drifts with the way, not with time
 }
 
-bool Localizer::odometry_jumps(double time, const std::optional<Pose>& T_odom_sensor) const {
-  if (!velocity_ || !last_->T_odom_sensor || !T_odom_sensor) return false;
+Twist Localizer::odometry_off_steady(double time, const std::optional<Pose>& T_odom_sensor) const {
+  if (!velocity_ || !last_->T_odom_sensor || !T_odom_sensor) return Twist::Zero();
   const Pose moved = last_->T_odom_sensor->inverse() * *T_odom_sensor;
   const Pose steady = exp(*velocity_ * (time - last_->time));
-  const Twist off = difference(steady, moved);
-  const GateParameters& p = parameters_.gate;
-  return off.head<3>().norm() > p.max_jump * slack(time) ||
-         off.tail<3>().norm() > p.max_turn_jump * slack(time);
+  return difference(steady, moved) / slack(time);
+}
+
+bool Localizer::odometry_jumps(double time, const std::optional<Pose>& T_odom_sensor) const {
+  const Twist off = odometry_off_steady(time, T_odom_sensor);
+  return off.head<3>().norm() > parameters_.gate.max_jump ||
+         off.tail<3>().norm() > parameters_.gate.max_turn_jump;
 }
 
 Localization Localizer::propose(const Octree& map, const Scan& raw, double time,
@@ -122,7 +125,7 @@ Localization Localizer::propose(const Octree& map, const Scan& raw, double time,
   if (found.motion_is_known && effort == Effort::kUsual) {
     Hypothesis near{{}, std::move(found.scan), found.velocity};
     near.registration = register_near(map, near.scan, predicted);
-    if (!gate_.is_usual(near.registration)) undistort_again(map, raw, predicted.covariance, found, near);
+    undistort_again(map, raw, predicted.covariance, found, near);
     take(std::move(near), found);
     found.reject_reason = gate_.judge(found.registration, found.T_map_sensor_predicted, slack(found));
   }
@@ -176,12 +179,14 @@ void Localizer::undistort_again(const Octree& map, const Scan& raw, const Matrix
   constexpr int kTries = 2;
   constexpr double kTranslation = 0.03;  // [m] within a scan, which hardly matters
   constexpr double kRotation = 0.005;    // [rad]
+  constexpr double kUsual = 3;           // times as much, where the fit raises no doubt
+  const double factor = gate_.is_usual(place.registration) ? kUsual : 1;
   if (!found.is_deskewed || !last_ || is_lost()) return;
   for (int i = 0; i < kTries && place.registration.converged(); ++i) {
     const Pose& T_map_sensor = place.registration.T_map_sensor;
     const Twist moved = velocity_between_middles(T_map_sensor, place.velocity, found);
     const Twist off = lidar_.scan_period * (moved - place.velocity);
-    if (off.head<3>().norm() < kTranslation && off.tail<3>().norm() < kRotation) return;
+    if (off.head<3>().norm() < factor * kTranslation && off.tail<3>().norm() < factor * kRotation) return;
     Hypothesis again{{}, undistorted(raw, moved), moved};
     again.registration = register_near(map, again.scan, {T_map_sensor * exp(off / 2), covariance});
     if (again.score() <= place.score()) return;
@@ -209,9 +214,14 @@ Matrix6 Localizer::uncertainty(const Localization& found, double time) const {
   if (!last_) return within(0.5, 5 * kDegree);
   if (has_odometry(found)) {
     constexpr double kDrift = 0.02;
+    constexpr double kUsual = 0.05;  // [m] by which vehicles leave constant velocity in 0.1 s; else
+    constexpr double kUsualTurn = 3 * kDegree;  // their wheels may have slipped
     const Twist moved = log(last_->T_map_sensor.inverse() * found.T_map_sensor_predicted);
-    return last_->covariance +
-           within(0.005 + kDrift * moved.head<3>().norm(), 0.1 * kDegree + kDrift * moved.tail<3>().norm());
+    const Twist off = odometry_off_steady(time, found.T_odom_sensor);
+    const double slipped = std::max(0.0, off.head<3>().norm() - kUsual);
+    const double turned = std::max(0.0, off.tail<3>().norm() - kUsualTurn);
+    return last_->covariance + within(0.005 + kDrift * moved.head<3>().norm() + slipped,
+                                      0.1 * kDegree + kDrift * moved.tail<3>().norm() + turned);
   }
   if (!found.motion_is_known) return last_->covariance + within(1, 5 * kDegree);
   return last_->covariance + within(0.05 * slack(time), kDegree * slack(time));

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <random>
@@ -102,7 +103,8 @@ class World {
   void route(double x0, double y0, double x1, double y1, double x2, double y2, double speed, double radius) {
     std::ostringstream text;
     const double first = drive_.starts_at_speed ? speed : 0.1 * speed;
-    const double ahead = 0.5 * speed / std::hypot(x1 - x0, y1 - y0);
+    constexpr double kAcceleration = 3;  // [m/s^2]
+    const double ahead = std::min(0.9, speed * speed / (2 * kAcceleration) / std::hypot(x1 - x0, y1 - y0));
     text << "route: {speed: " << speed << ", turn_radius: " << radius
          << ", start: " << (drive_.starts_at_speed ? 0.0 : 0.5) << ", end: stay, waypoints: [{at: [" << x0
          << ", " << y0 << "], speed: " << first << "}, {at: [" << x0 + ahead * (x1 - x0) << ", "

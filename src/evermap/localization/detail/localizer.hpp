@@ -108,6 +108,8 @@ class Localizer {
   /// deskewed; velocities from one end to the next would swing up.
   Twist velocity_between_middles(const Pose& T_map_sensor, const Twist& velocity,
                                  const Localization& found) const;
+  /// How far odometry leaves constant velocity, for 0.1 s; zero where either is unknown.
+  Twist odometry_off_steady(double time, const std::optional<Pose>& T_odom_sensor) const;
   bool odometry_jumps(double time, const std::optional<Pose>& T_odom_sensor) const;
   /// Whether the prediction is the odometry's.
   bool has_odometry(const Localization& found) const;
