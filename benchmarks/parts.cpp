@@ -95,8 +95,9 @@ void impact(benchmark::State& state) {
     double sum = 0;
     for (const Encounter& met : encounters) {
       const Ray ray{bundles.origin_map, met.target.end_map};
-      sum += impact(at.octree.gaussian(met.key, *met.leaf), ray,
-                    bundles.bundles()[met.bundle].points.covariance, met.target.until, error, parameters);
+      sum += evermap::impact(at.octree.gaussian(met.key, *met.leaf), at.octree.grid().edge, ray,
+                             bundles.bundles()[met.bundle].points.covariance, met.target.until, error,
+                             parameters);
     }
     benchmark::DoNotOptimize(sum);
   }
