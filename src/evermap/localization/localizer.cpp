@@ -179,14 +179,17 @@ void Localizer::undistort_again(const Octree& map, const Scan& raw, const Matrix
   constexpr int kTries = 2;
   constexpr double kTranslation = 0.03;  // [m] within a scan, which hardly matters
   constexpr double kRotation = 0.005;    // [rad]
-  constexpr double kUsual = 3;           // times as much, where the fit raises no doubt
-  const double factor = gate_.is_usual(place.registration) ? kUsual : 1;
+  constexpr double kUsual = 3;      // times as much, where the fit raises no doubt; twice that of a turn,
+  constexpr double kUsualTurn = 6;  // which tilting on rough ground makes all the time
   if (!found.is_deskewed || !last_ || is_lost()) return;
+  const bool is_usual = gate_.is_usual(place.registration);
+  const double translation = (is_usual ? kUsual : 1) * kTranslation;
+  const double rotation = (is_usual ? kUsualTurn : 1) * kRotation;
   for (int i = 0; i < kTries && place.registration.converged(); ++i) {
     const Pose& T_map_sensor = place.registration.T_map_sensor;
     const Twist moved = velocity_between_middles(T_map_sensor, place.velocity, found);
     const Twist off = lidar_.scan_period * (moved - place.velocity);
-    if (off.head<3>().norm() < factor * kTranslation && off.tail<3>().norm() < factor * kRotation) return;
+    if (off.head<3>().norm() < translation && off.tail<3>().norm() < rotation) return;
     Hypothesis again{{}, undistorted(raw, moved), moved};
     again.registration = register_near(map, again.scan, {T_map_sensor * exp(off / 2), covariance});
     if (again.score() <= place.score()) return;
