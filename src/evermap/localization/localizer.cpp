@@ -168,6 +168,9 @@ void Localizer::consider_places(const Octree& map, const Scan& raw, const PoseEs
   // A search has its own reach.
   const Pose& expected = is_lost() ? winner.registration.T_map_sensor : found.T_map_sensor_predicted;
   found.reject_reason = gate_.judge_best(all, best, expected, slack(found));
+  constexpr double kAsGood = 0.95;
+  if (found.passes() && winner.registration.explained_fraction() < kAsGood * tied_)
+    found.reject_reason = RejectReason::kAmbiguous;
   if (contradicting) found.contradicting_fraction = winner.contradicting_fraction;
   const bool was_measured = found.motion_is_known && winner.velocity != found.velocity;
   take(std::move(winner), found);
@@ -208,6 +211,8 @@ void Localizer::conclude(Localization& found) {
       found.reject_reason = RejectReason::kOdometryJumps;
     }
   } else {
+    if (found.reject_reason == RejectReason::kAmbiguous)
+      tied_ = std::max(tied_, found.registration.explained_fraction());
     fail();
   }
   found.state = state_;
@@ -296,6 +301,7 @@ void Localizer::pass(const Localization& found) {
   last_ = {found.T_map_sensor, found.registration.covariance, found.velocity, found.time,
            found.T_odom_sensor};
   failed_ = 0;
+  tied_ = 0;
   unobservable_ = found.registration.unobservable > 0 ? unobservable_ + 1 : 0;
   state_ = found.motion_is_known ? TrackingState::kTracking : TrackingState::kStarting;
 }

@@ -142,6 +142,8 @@ class Localizer {
   std::optional<double> last_time_;  ///< [s] of the last scan, passed or not
   int failed_ = 0;                   ///< scans since the last fix
   int unobservable_ = 0;             ///< fixes since the last whose directions were all observable
+  double tied_ = 0;  ///< explained by the best of places that tied since the last scan that passed: a place
+                     ///< that explains less is not where the robot is
 };
 
 }  // namespace evermap
