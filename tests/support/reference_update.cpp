@@ -41,7 +41,7 @@ double squared_distance(const Vector3d& x, const Vector3d& mean, const Matrix3d&
 
 Matrix3d floored(const Matrix3d& S, double least) {
   const Eigensystem eigen(S);
-  const Matrix3d V = eigen.eigenvectors();
+  const Matrix3d& V = eigen.eigenvectors();
   return V * eigen.eigenvalues().cwiseMax(least).asDiagonal() * V.transpose();
 }
 
@@ -243,7 +243,7 @@ bool subtract_sigma_points(ReferenceLeaf& leaf, const Vector3d& o, const Bundle&
     if (repeats(squared, kQuantile95, kQuantile95)) determined = false;
     if (squared > kQuantile95) kept.push_back(p);
   }
-  const Vector3d l = eigen.eigenvalues();
+  const Vector3d& l = eigen.eigenvalues();
   if (repeats(l[0], l[1], l[2]) || repeats(l[1], l[2], l[2])) determined = false;
   if (kept.empty() || kept.size() == 7) return determined;
   const auto k = static_cast<double>(kept.size());
@@ -268,7 +268,7 @@ void keep_settled(ReferenceLeaf& leaf, const ReferenceLeaf& old, const Bundle& b
     leaf.covariance = old.covariance;
     return;
   }
-  const Matrix3d axes = eigen.eigenvectors();  // the plane's normal first
+  const Matrix3d& axes = eigen.eigenvectors();  // the plane's normal first
   const double across = eigen.eigenvalues()[0];
   const Matrix3d hit = axes.transpose() * bundle.covariance * axes;
   const Vector3d apart = axes.transpose() * (bundle.mean - old.mean);

@@ -16,7 +16,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using test::Random;
-using test::travelling;
 
 /// The divergence has two directions; equation 3 is the minimum of D(travelling bundle || leaf).
 double likelihood(const Approach& approach) { return std::exp(-0.5 * approach.mahalanobis_squared); }
