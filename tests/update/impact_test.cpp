@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <support/encounter.hpp>
 #include <support/random_geometry.hpp>
 
 #include <gtest/gtest.h>
@@ -17,7 +16,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using test::Random;
 
-/// The divergence has two directions; equation 3 is the minimum of D(travelling bundle || leaf).
 double likelihood(const Approach& approach) { return std::exp(-0.5 * approach.mahalanobis_squared); }
 
 /// The closest among points of the ray, not of the line behind the sensor; `reach` is a fraction of the ray.
