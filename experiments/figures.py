@@ -19,7 +19,9 @@ STYLES = {
     "evermap paper": ("#56B4E9", "--", "^"),
     "evermap default": ("#0072B2", "-", "D"),
 }
-OTHERS = [("#0072B2", "-", "o"), ("#D55E00", "--", "s"), ("#009E73", "-.", "^"), ("#CC79A7", ":", "D")]
+OTHERS = [("#0072B2", "-", "o"), ("#D55E00", "--", "s"), ("#009E73", "-.", "^"), ("#CC79A7", ":", "D"), ("#E69F00", "-", "v"),
+          ("#56B4E9", "--", "."), ("#000000", "-", "o"), ("#0072B2", ":", "s"), ("#D55E00", "-", "^"), ("#009E73", "--", "D"),
+          ("#CC79A7", "-", "v")]
 # What a character of a view from above stands for.
 CELLS = [(".", "#FFFFFF", None), ("k", "#C4CAD0", "kept"), ("h", "#D55E00", "hole: missing in the map"),
          ("g", "#0072B2", "ghost: not in the world")]
@@ -44,8 +46,9 @@ def draw_lines(axes, panel):
         colour, dashes, marker = style(name, index)
         x = [p[0] for p in points]
         y = [np.nan if p[1] is None else p[1] for p in points]
-        axes.plot(x, y, label=name, color=colour, linestyle=dashes, linewidth=1.4,
-                  marker=marker if len(points) <= 25 else None, markersize=3.5)
+        scattered = panel.get("scattered")
+        axes.plot(x, y, label=name, color=colour, linestyle="none" if scattered else dashes, linewidth=1.4,
+                  marker=marker if scattered or len(points) <= 25 else None, markersize=3.5)
     for shaded in panel.get("shaded", []):
         axes.axvspan(shaded["from"], max(shaded["to"], shaded["from"] + 1), color="#D9DDE1", zorder=0, linewidth=0)
         axes.annotate(shaded["name"], ((shaded["from"] + shaded["to"]) / 2, 1.01), ha="center", fontsize=7,
