@@ -52,9 +52,11 @@ void confirm(Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& center_m
   const bool is_new = leaf.count <= 0;
   const bool is_known =
       parameters.settled > 0 && leaf.log_odds >= static_cast<float>(parameters.max_log_odds);
-  Gaussian surface = is_new     ? bundle
-                     : is_known ? united(leaf.gaussian(center_map), bundle, error, parameters)
-                                : merge(leaf.gaussian(center_map), bundle);
+  Gaussian surface = bundle;
+  if (!is_new) {
+    const Gaussian before = leaf.gaussian(center_map);
+    surface = is_known ? united(before, bundle, error, parameters) : merge(before, bundle);
+  }
   surface.count = std::min(surface.count, parameters.max_count);
   leaf.set_gaussian(surface, center_map);
   constexpr double kRounding = 1e-5;  // of stored log-odds: it must not turn the last 0 into occupied

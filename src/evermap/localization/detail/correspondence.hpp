@@ -13,8 +13,8 @@ namespace evermap {
 
 /// The leaf that a bundle belongs to.
 struct Correspondence {
-  Eigen::Vector3d mean_leaf;    ///< mu_V [m], map frame
-  Eigen::Matrix3d information;  ///< M = (S_V + S_R)^-1 [1/m^2]
+  Eigen::Vector3d mean_leaf;  ///< mu_V [m], map frame; of a wall whose faces share the leaf, the near face's
+  Eigen::Matrix3d information;  ///< M = (S_V + S_R)^-1 [1/m^2], S_V the face's likewise
   Eigen::Vector3d normal;       ///< M's stiffest axis, the better the stiffer it is
   double mahalanobis_squared;   ///< e' M e, e = mu_V - mu_R
   double occupancy;             ///< probability that the leaf is there
