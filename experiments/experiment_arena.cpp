@@ -6,13 +6,13 @@
 
 #include <fmt/format.h>
 
-#include "experiments/draw.hpp"
 #include "experiments/experiment.hpp"
 #include "experiments/pose_judge.hpp"
 #include <evermap/localization/detail/perturbation.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
 #include <evermap/maintenance/survey.hpp>
 #include <evermap/scan/detail/ray_bundle.hpp>
+#include <evermap/simulation/draw.hpp>
 #include <evermap/simulation/random_world.hpp>
 #include <evermap/simulation/scenario_drive.hpp>
 #include <evermap/update/detail/map_updater.hpp>
@@ -97,29 +97,22 @@ struct Drive {
     const Pose T_sensor_robot = T_robot_sensor.inverse();
     for (std::size_t i = 0; i < driven.size(); ++i) {
       scans.push_back(driven.scan(i).scan);
-      undistorted.push_back(driven.in_map(i, scans.back()));
-      for (Eigen::Vector3d& p : scans.back().p_sensor) p = T_sensor_robot * p;
       Pose T_map_sensor = driven.T_map_sensor(i) * T_robot_sensor;
       worlds_pose.push_back(T_map_sensor);
+      const Pose T_sensor_world = T_map_sensor.inverse();
+      at_end.push_back(driven.in_map(i, scans.back()));
+      for (Eigen::Vector3d& p : at_end.back()) p = T_sensor_world * p;
+      for (Eigen::Vector3d& p : scans.back().p_sensor) p = T_sensor_robot * p;
       T_map_sensor.translation += trial.shift;
       poses.push_back(T_map_sensor);
     }
   }
 
-  /// The points of a scan in the sensor frame of its end.
-  std::vector<Eigen::Vector3d> at_end(std::size_t scan) const {
-    const Pose T_sensor_world = worlds_pose[scan].inverse();
-    std::vector<Eigen::Vector3d> points;
-    points.reserve(undistorted[scan].size());
-    for (const Eigen::Vector3d& p : undistorted[scan]) points.push_back(T_sensor_world * p);
-    return points;
-  }
-
   ScenarioDrive driven;
   std::vector<Scan> scans;
-  std::vector<std::vector<Eigen::Vector3d>> undistorted;  ///< [m] points in the world's frame
-  std::vector<Pose> worlds_pose;                          ///< in the world's frame
-  std::vector<Pose> poses;                                ///< in the map's frame, which is shifted
+  std::vector<std::vector<Eigen::Vector3d>> at_end;  ///< [m] points in the sensor frame of a scan's end
+  std::vector<Pose> worlds_pose;                     ///< in the world's frame
+  std::vector<Pose> poses;                           ///< in the map's frame, which is shifted
 };
 
 Octree map_of(const Trial& trial, const Drive& drive, const Parameters& parameters) {
@@ -132,7 +125,7 @@ Octree map_of(const Trial& trial, const Drive& drive, const Parameters& paramete
   }
   for (std::size_t i = 0; i < drive.scans.size(); ++i) {
     Scan scan;
-    scan.p_sensor = drive.at_end(i);
+    scan.p_sensor = drive.at_end[i];
     add(map, condense(scan, drive.poses[i], map.grid(), parameters.lidar), parameters.update);
   }
   return map;
@@ -167,7 +160,7 @@ Json run_trial(std::uint64_t seed) {
   for (std::size_t i = 0; i < drive.scans.size(); ++i) {
     const ScanResult found =
         maintainer.process(drive.scans[i], drive.driven.time(i), odometry.next(drive.poses[i]));
-    const PoseJudge judge(world, drive.at_end(i), drive.worlds_pose[i]);
+    const PoseJudge judge(world, drive.at_end[i], drive.worlds_pose[i]);
     observable += judge.is_observable() ? 1 : 0;
     if (!found.is_believed()) continue;
     tracked += judge.is_observable() ? 1 : 0;

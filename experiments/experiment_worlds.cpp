@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "experiments/draw.hpp"
 #include "experiments/experiment.hpp"
 #include "experiments/scenario_dataset.hpp"
+#include <evermap/simulation/draw.hpp>
 #include <evermap/simulation/random_world.hpp>
 
 namespace evermap {

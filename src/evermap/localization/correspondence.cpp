@@ -27,6 +27,11 @@ Eigen::Vector3i across(const Eigen::Vector3d& from_center, int axis) {
   return (from_center[axis] < 0 ? -1 : 1) * Eigen::Vector3i::Unit(axis);
 }
 
+/// The leaf of a voxel, which may lie beyond the grid; nullptr where there is none.
+const Leaf* find(LeafFinder<const Octree>& leaves, const Eigen::Vector3i& voxel) {
+  return VoxelKey::in_range(voxel) ? leaves.find(VoxelKey::from_voxel(voxel)) : nullptr;
+}
+
 /// The candidates of all bundles, in their order. Leaves lie all over the memory: all are asked for before
 /// any is used.
 std::vector<Candidate> candidates(const Octree& map, std::span<const Gaussian> bundles) {
@@ -34,7 +39,7 @@ std::vector<Candidate> candidates(const Octree& map, std::span<const Gaussian> b
   found.reserve(4 * bundles.size());
   LeafFinder finder(map);
   const auto ask = [&](std::size_t bundle, const Eigen::Vector3i& voxel) {
-    const Leaf* leaf = VoxelKey::in_range(voxel) ? finder.find(VoxelKey::from_voxel(voxel)) : nullptr;
+    const Leaf* leaf = find(finder, voxel);
     if (leaf == nullptr) return false;
     leaf->prefetch();
     found.push_back({bundle, voxel, leaf});
@@ -86,7 +91,7 @@ bool is_wall(LeafFinder<const Octree>& finder, const VoxelGrid& grid, const Corr
     if (axis == across_wall) continue;
     for (const int step : {-1, 1}) {
       const Eigen::Vector3i there = *voxel + step * Eigen::Vector3i::Unit(axis);
-      const Leaf* leaf = VoxelKey::in_range(there) ? finder.find(VoxelKey::from_voxel(there)) : nullptr;
+      const Leaf* leaf = find(finder, there);
       if (leaf == nullptr || !leaf->occupied()) continue;
       const double off = match.normal.dot(leaf->gaussian(grid.center(there)).mean - match.mean_leaf);
       if (std::abs(off) > kInLine * thick) return false;
@@ -195,7 +200,7 @@ std::vector<std::optional<Correspondence>> correspond(const Octree& map,
     const Eigen::Vector3i voxel = *map.grid().voxel(bundles[i].mean);
     const Eigen::Vector3d from_center = bundles[i].mean - map.grid().center(voxel);
     const auto consider_other = [&](const Eigen::Vector3i& there) {
-      const Leaf* leaf = VoxelKey::in_range(there) ? finder.find(VoxelKey::from_voxel(there)) : nullptr;
+      const Leaf* leaf = find(finder, there);
       if (leaf != nullptr && leaf != hidden) consider(i, there, *leaf);
     };
     consider_other(voxel);

@@ -8,20 +8,18 @@
 #include <utility>
 #include <vector>
 
+#include <evermap/simulation/draw.hpp>
 #include <evermap/simulation/random_world.hpp>
 
 namespace evermap {
 namespace {
 
-/// Writes a scenario, object by object. Numbers are drawn without std's distributions, which differ between
-/// libraries.
+/// Writes a scenario, object by object.
 class World {
  public:
   World(std::uint64_t seed, const RandomDrive& drive) : random_(seed), drive_(drive) {}
 
-  double uniform(double from, double to) {
-    return from + (to - from) * static_cast<double>(random_() >> 11) * 0x1p-53;
-  }
+  double uniform(double from, double to) { return evermap::uniform(random_, from, to); }
   bool chance(double probability) { return uniform(0, 1) < probability; }
 
   /// Places from `begin` to before `end`, `least` to `most` apart.

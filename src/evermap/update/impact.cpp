@@ -74,10 +74,8 @@ double default_impact(const Gaussian& leaf, double edge, const Ray& ray, double 
   // A bound for all leaves, and exp(-x) <= 1 / (1 + x), turn most rays away before anything dear is computed.
   if (parameters.least_impact * (1 + 0.5 * (approach.mahalanobis_squared - patch)) > 1) return 0;
   const Plane plane = plane_of(leaf);
-  if (plane.flat) {  // where it lies across its plane is known
-    const Eigen::Matrix3d within = Eigen::Matrix3d::Identity() - plane.normal * plane.normal.transpose();
-    approach = closest_approach(ray, widened(leaf, unseen * within));
-  }
+  // Where a flat leaf lies across its plane is known.
+  if (plane.flat) approach = closest_approach(ray, widened(leaf, unseen * plane.within()));
   const double likelihood = likelihood_of(approach, plane.flat ? patch : 0);
   if (likelihood < parameters.least_impact || approach.fraction > free_fraction) return 0;
   const bool is_plane_decisive = parameters.surface_crossing && plane.flat;

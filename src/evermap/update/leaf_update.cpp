@@ -39,7 +39,7 @@ Gaussian united(const Gaussian& known, const Gaussian& hit, double error,
   const double apart = n.dot(hit.mean - known.mean);
   const double noise = error * error + variance / known.count + n.dot(hit.covariance * n) / hit.count;
   if (apart * apart > bound * noise) return both;
-  const Eigen::Matrix3d within = Eigen::Matrix3d::Identity() - n * n.transpose();
+  const Eigen::Matrix3d within = plane.within();
   both.mean -= n.dot(both.mean - known.mean) * n;
   both.covariance = within * both.covariance * within + variance * n * n.transpose();
   return both;

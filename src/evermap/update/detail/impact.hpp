@@ -22,6 +22,9 @@ struct Plane {
   Eigen::Vector3d normal;
   double sigma;  ///< [m] thickness of the leaf along the normal
   bool flat;     ///< whether the leaf has a plane at all
+
+  /// Projects onto the plane.
+  Eigen::Matrix3d within() const { return Eigen::Matrix3d::Identity() - normal * normal.transpose(); }
 };
 Plane plane_of(const Gaussian& leaf);
 
