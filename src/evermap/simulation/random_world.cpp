@@ -14,6 +14,23 @@
 namespace evermap {
 namespace {
 
+/// A box that stands on the ground, or is lifted above it. Where its numbers are drawn, the braces around
+/// them see to the order, which a call's arguments do not have: a seed means the same world with every
+/// compiler.
+struct Box {
+  double x, y, yaw;              ///< [m], [m] and [degrees]
+  double length, width, height;  ///< [m]
+  double lift = 0;               ///< [m]
+};
+
+std::string text_of(const Box& box) {
+  std::ostringstream text;
+  text << "box: [" << box.length << ", " << box.width << ", " << box.height << "], at: [" << box.x << ", "
+       << box.y << ", " << box.yaw << "]";
+  if (box.lift > 0) text << ", lift: " << box.lift;
+  return text.str();
+}
+
 /// Writes a scenario, object by object.
 class World {
  public:
@@ -33,26 +50,22 @@ class World {
     return places;
   }
 
-  void box(double x, double y, double yaw, double length, double width, double height, double lift = 0) {
-    std::ostringstream text;
-    text << "box: [" << length << ", " << width << ", " << height << "], at: [" << x << ", " << y << ", "
-         << yaw << "]";
-    if (lift > 0) text << ", lift: " << lift;
-    object(text.str());
-  }
+  void box(const Box& box) { object(text_of(box)); }
   /// As box, but it may have come, gone or moved since the survey.
-  void furniture(double x, double y, double yaw, double length, double width, double height) {
-    std::ostringstream text;
-    text << "box: [" << length << ", " << width << ", " << height << "], at: [" << x << ", " << y << ", "
-         << yaw << "]";
+  void furniture(const Box& box) {
+    std::string text = text_of(box);
     if (chance(drive_.changed)) {
       const double what = uniform(0, 3);
-      if (what < 1) text << ", survey: only";
-      if (what >= 1 && what < 2) text << ", survey: absent";
-      if (what >= 2)
-        text << ", survey: {at: [" << x + uniform(-0.5, 0.5) << ", " << y + uniform(-0.5, 0.5) << "]}";
+      if (what < 1) text += ", survey: only";
+      if (what >= 1 && what < 2) text += ", survey: absent";
+      if (what >= 2) {
+        std::ostringstream moved;
+        moved << ", survey: {at: [" << box.x + uniform(-0.5, 0.5) << ", " << box.y + uniform(-0.5, 0.5)
+              << "]}";
+        text += moved.str();
+      }
     }
-    object(text.str());
+    object(text);
   }
   void wall(double x0, double y0, double x1, double y1, double height, double thickness) {
     std::ostringstream text;
@@ -88,7 +101,7 @@ class World {
     wall(-x - t, -y - t, -x - t, y + t, height, thickness);
     wall(x + t, -y - t, x + t, y + t, height, thickness);
   }
-  void ceiling(double x, double y, double height) { box(0, 0, 0, 2 * x + 0.9, 2 * y + 0.9, 0.2, height); }
+  void ceiling(double x, double y, double height) { box({0, 0, 0, 2 * x + 0.9, 2 * y + 0.9, 0.2, height}); }
 
   /// The ground's area and features, e.g. "slope: [0, 0]".
   void ground(double x, double y, const std::string& features) {
@@ -143,7 +156,7 @@ void room(World& w) {
   w.ceiling(x, y, height);
   for (int i = 0; i < 8; ++i) {  // along the walls
     const double side = i % 2 == 0 ? 1 : -1;
-    w.furniture(w.uniform(-x + 1, x - 1), side * (y - 0.4), 0, w.uniform(0.5, 1.5), 0.6, w.uniform(0.5, 2));
+    w.furniture({w.uniform(-x + 1, x - 1), side * (y - 0.4), 0, w.uniform(0.5, 1.5), 0.6, w.uniform(0.5, 2)});
   }
   w.ground(x + 0.6, y + 0.6, kLevel);
   w.route(-0.6 * x, -0.3 * y, 0, -0.3 * y, 0, 0.6 * y, w.uniform(0.4, 1.2), 0.5);
@@ -154,7 +167,7 @@ void corridor(World& w) {
   w.walls(x, y, height, w.uniform(0.1, 0.3));
   w.ceiling(x, y, height);
   for (const double at : w.places(-x + 1, x - 1, 2, 6))
-    w.furniture(at, w.chance(0.5) ? y - 0.15 : -y + 0.15, 0, w.uniform(0.4, 1), 0.3, w.uniform(0.8, 2));
+    w.furniture({at, w.chance(0.5) ? y - 0.15 : -y + 0.15, 0, w.uniform(0.4, 1), 0.3, w.uniform(0.8, 2)});
   w.ground(x + 0.6, y + 0.6, kLevel);
   w.route(-0.6 * x, 0, 0, 0, 0.6 * x, 0.1, w.uniform(0.8, 1.8), 0.5);
 }
@@ -164,7 +177,7 @@ void tunnel(World& w) {
   w.walls(x, y, height, 0.4);
   w.ceiling(x, y, height);
   for (const double at : w.places(-x + 3, x - 3, 4, 10))  // what stands out makes niches between
-    w.box(at, w.chance(0.5) ? y - 0.3 : -y + 0.3, 0, w.uniform(1, 3), 0.6, height - 0.2);
+    w.box({at, w.chance(0.5) ? y - 0.3 : -y + 0.3, 0, w.uniform(1, 3), 0.6, height - 0.2});
   w.ground(x + 0.8, y + 0.8, kLevel);
   w.sensor_height(1.6);
   w.route(-20, 0, 0, 0, 20, 0.3, w.uniform(2, 6), 2);
@@ -175,11 +188,12 @@ void hall(World& w) {
   w.walls(x, y, w.uniform(4, 8), 0.3);
   for (int i = 0; i < 10; ++i) {
     const double side = i % 2 == 0 ? 1 : -1;
-    w.furniture(w.uniform(-x + 3, x - 3), side * w.uniform(0.5 * y, 0.85 * y), w.uniform(0, 90),
-                w.uniform(1, 4), w.uniform(0.8, 2), w.uniform(1, 3));
+    w.furniture({w.uniform(-x + 3, x - 3), side * w.uniform(0.5 * y, 0.85 * y), w.uniform(0, 90),
+                 w.uniform(1, 4), w.uniform(0.8, 2), w.uniform(1, 3)});
   }
   w.ground(x + 0.6, y + 0.6, kLevel);
-  w.route(-6, -3, 0, -3, 0, 4, w.uniform(0.8, 2), w.uniform(0.6, 2));
+  const double speed = w.uniform(0.8, 2), radius = w.uniform(0.6, 2);
+  w.route(-6, -3, 0, -3, 0, 2.5, speed, radius);
 }
 
 void warehouse(World& w) {
@@ -189,8 +203,8 @@ void warehouse(World& w) {
   for (const double row : w.places(-9, 9, pitch, pitch)) {
     if (std::abs(row) < 1.2) continue;
     for (const double at : w.places(-14, 14, 2.8, 2.8)) {
-      w.box(at, row, 0, 2.7, 0.9, w.uniform(2, 4));
-      if (w.chance(0.4)) w.furniture(at, row, 0, 1.2, 1.1, w.uniform(0.8, 1.6));
+      w.box({at, row, 0, 2.7, 0.9, w.uniform(2, 4)});
+      if (w.chance(0.4)) w.furniture({at, row, 0, 1.2, 1.1, w.uniform(0.8, 1.6)});
     }
   }
   w.ground(x + 0.6, y + 0.6, kLevel);
@@ -202,8 +216,11 @@ void containers(World& w) {
   w.walls(reach, reach, 3, 0.3);
   for (int i = 0; i < 24; ++i) {
     const double x = w.uniform(-30, 30), y = w.uniform(-30, 30);
-    if (std::abs(x) < 12 && std::abs(y) < 10) continue;
-    w.furniture(x, y, w.chance(0.5) ? w.uniform(-5, 5) : 90, w.chance(0.5) ? 12 : 6, 2.4, 2.6);
+    const double yaw = w.chance(0.5) ? w.uniform(-5, 5) : 90, length = w.chance(0.5) ? 12 : 6;
+    const double along = length / 2 + 1.5, across = 3;  // from its middle, with room to pass
+    if (std::abs(x) < 9 + (yaw == 90 ? across : along) && std::abs(y) < 8 + (yaw == 90 ? along : across))
+      continue;
+    w.furniture({x, y, yaw, length, 2.4, 2.6});
   }
   w.pile(-15, w.uniform(-6, 6));
   w.pile(15, w.uniform(-6, 6));
@@ -215,7 +232,7 @@ void containers(World& w) {
 void street(World& w) {
   for (const double side : {-1.0, 1.0}) {
     for (const double at : w.places(-55, 55, 13, 20))
-      w.box(at, side * w.uniform(10, 13), w.uniform(-2, 2), w.uniform(8, 13), 7, w.uniform(5, 12));
+      w.box({at, side * w.uniform(10, 13), w.uniform(-2, 2), w.uniform(8, 13), 7, w.uniform(5, 12)});
     for (const double at : w.places(-50, 50, 6, 10)) w.body("car", at, side * 5, side > 0 ? 180 : 0);
     for (const double at : w.places(-50, 50, 12, 25)) w.post(at, side * 6.5, 6, 0.2);
   }
@@ -228,10 +245,12 @@ void forest(World& w) {
   for (int i = 0; i < 90; ++i) {
     const double x = w.uniform(-40, 40), y = w.uniform(-40, 40);
     if (std::abs(y) < 3) continue;
-    if (w.chance(0.5))
+    if (w.chance(0.5)) {
       w.body("tree", x, y, w.uniform(0, 360));
-    else
-      w.post(x, y, w.uniform(5, 12), w.uniform(0.2, 0.6));
+    } else {
+      const double height = w.uniform(5, 12), width = w.uniform(0.2, 0.6);
+      w.post(x, y, height, width);
+    }
   }
   w.ground(45, 45,
            "{waves: {amplitude: 0.5, length: [25, 18], phase: 0.7}}, {roughness: {amplitude: 0.05, size: "
@@ -241,10 +260,13 @@ void forest(World& w) {
 
 void quarry(World& w) {
   for (int i = 0; i < 10; ++i) {
-    w.furniture(w.uniform(-25, 25), (w.chance(0.5) ? 1 : -1) * w.uniform(7, 15), w.uniform(0, 180), 5, 2.5,
-                2.5);
+    const double side = w.chance(0.5) ? 1 : -1;
+    w.furniture({w.uniform(-25, 25), side * w.uniform(7, 15), w.uniform(0, 180), 5, 2.5, 2.5});
   }
-  for (const double x : {-16.0, 2.0, 19.0}) w.pile(x + w.uniform(-3, 3), w.uniform(10, 14));
+  for (const double middle : {-16.0, 2.0, 19.0}) {
+    const double x = middle + w.uniform(-3, 3), y = w.uniform(10, 14);
+    w.pile(x, y);
+  }
   w.ground(45, 35,
            "{terraces: {center: [0, 0], size: [64, 44], corner: 10, count: 2, height: 4, face: 2, width: 3, "
            "wobble: 1}}, {roughness: {amplitude: 0.04, size: 1.5, seed: 2}}");
@@ -257,7 +279,7 @@ void parking(World& w) {
   w.walls(x, y, height, 0.25);
   w.ceiling(x, y, height);
   for (const double at : w.places(-x + 3, x - 2, 5, 5)) {
-    for (const double row : {-4.5, 4.5}) w.box(at, row, 0, 0.4, 0.4, height - 0.05);
+    for (const double row : {-4.5, 4.5}) w.box({at, row, 0, 0.4, 0.4, height - 0.05});
     if (w.chance(0.6)) w.body("car", at + 2.5, 7, 90);
     if (w.chance(0.6)) w.body("car", at + 2.5, -7, 90);
   }
@@ -270,12 +292,12 @@ void parking(World& w) {
 void floors(World& w) {
   const double x = w.uniform(10, 16), y = w.uniform(7, 11), height = w.uniform(2.6, 3.2);
   w.walls(x, y, 2 * height, 0.3);
-  w.box(-x / 2, 0, 0, x, 2 * y + 0.5, 0.3, height);
+  w.box({-x / 2, 0, 0, x, 2 * y + 0.5, 0.3, height});
   for (int i = 0; i < 8; ++i) {
-    w.furniture(w.uniform(-x + 1, x - 1), (i % 2 == 0 ? 1 : -1) * (y - 0.8), 0, w.uniform(0.8, 2), 0.9,
-                w.uniform(0.6, 2));
+    w.furniture({w.uniform(-x + 1, x - 1), (i % 2 == 0 ? 1 : -1) * (y - 0.8), 0, w.uniform(0.8, 2), 0.9,
+                 w.uniform(0.6, 2)});
   }
-  for (const double row : {-3.0, 3.0}) w.box(-0.3, row, 0, 0.4, 0.4, height - 0.05);
+  for (const double row : {-3.0, 3.0}) w.box({-0.3, row, 0, 0.4, 0.4, height - 0.05});
   w.ground(x + 0.6, y + 0.6, kLevel);
   w.route(-0.5 * x, 0, 0, 0, 0.5 * x, 0.5, w.uniform(0.8, 2), 1);
 }
