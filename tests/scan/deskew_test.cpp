@@ -22,13 +22,13 @@ TEST(Deskew, BringsAllPointsToTheScansEnd) {
     raw.p_sensor.push_back(T_then_end * truth.back());
     raw.time_offset.push_back(static_cast<float>(moment));
   }
-  const Scan still = deskew(raw, exp(motion), kDuration);
+  const Scan still = deskew(raw, ScanMotion::steady(motion / kDuration), kDuration);
   for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_LT((still.p_sensor[i] - truth[i]).norm(), 1e-5);
   EXPECT_TRUE(still.time_offset.empty());
 }
 
 TEST(Deskew, LeavesAScanWithoutTimesAsItIs) {
-  const Pose motion{Eigen::Matrix3d::Identity(), {1, 0, 0}};
+  const ScanMotion motion = ScanMotion::steady(Twist::UnitX());
   Scan scan;
   scan.p_sensor = {{1, 2, 3}, {4, 5, 6}};
   EXPECT_EQ(deskew(scan, motion, 0.1).p_sensor, scan.p_sensor);

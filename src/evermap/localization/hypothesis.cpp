@@ -19,7 +19,7 @@ bool is_one_place(const Hypothesis& better, const Hypothesis& other, double scan
   constexpr double kSigmas = 4;
   constexpr double kShift = 0.02;                         // [m] where registration may come to rest
   constexpr double kTurn = 0.2 * std::numbers::pi / 180;  // [rad] likewise
-  const Twist skew = scan_period / 2 * (better.velocity - other.velocity);
+  const Twist skew = scan_period / 2 * (better.motion.after - other.motion.after);
   const Matrix6 least = within(kShift + skew.head<3>().norm(), kTurn + skew.tail<3>().norm());
   const Twist off = difference(other.registration.T_map_sensor, better.registration.T_map_sensor);
   return off.dot((other.registration.covariance + least).ldlt().solve(off)) < kSigmas * kSigmas;

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include <evermap/localization/detail/localizer.hpp>
+#include <evermap/localization/detail/motion_fit.hpp>
 #include <evermap/localization/detail/perturbation.hpp>
 #include <evermap/scan/detail/deskew.hpp>
 
@@ -74,7 +75,7 @@ Twist Localizer::velocity_between_middles(const Pose& T_map_sensor, const Twist&
 }
 
 Scan Localizer::undistorted(const Scan& raw, const Twist& velocity) const {
-  return deskew(raw, exp(velocity * lidar_.scan_period), lidar_.scan_period);
+  return deskew(raw, ScanMotion::steady(velocity), lidar_.scan_period);
 }
 
 double Localizer::slack(double time) const {
@@ -123,9 +124,12 @@ Localization Localizer::propose(const Octree& map, const Scan& raw, double time,
   found.is_deskewed = !raw.time_offset.empty();
   const PoseEstimate predicted{found.T_map_sensor_predicted, uncertainty(found, time)};
   if (found.motion_is_known && effort == Effort::kUsual) {
-    Hypothesis near{{}, std::move(found.scan), found.velocity};
+    Hypothesis near{{}, std::move(found.scan), ScanMotion::steady(found.velocity)};
     near.registration = register_near(map, near.scan, predicted);
-    undistort_again(map, raw, predicted.covariance, found, near);
+    if (found.is_deskewed) {
+      refit(map, raw, predicted.covariance, found, near);
+      if (!gate_.is_usual(near.registration)) try_turns(map, raw, predicted.covariance, found, near);
+    }
     take(std::move(near), found);
     found.reject_reason = gate_.judge(found.registration, found.T_map_sensor_predicted, slack(found));
   }
@@ -149,14 +153,24 @@ bool Localizer::is_vague(const Localization& found) const {
 void Localizer::take(Hypothesis&& place, Localization& found) const {
   found.registration = place.registration;
   found.scan = std::move(place.scan);
-  found.velocity = place.velocity;
-  if (last_) found.motion = velocity_between_middles(place.registration.T_map_sensor, place.velocity, found);
+  found.velocity = place.motion.after;
+  if (!last_) return;
+  const bool is_bent = place.motion.bend > 0;
+  found.motion = is_bent ? found.velocity
+                         : velocity_between_middles(place.registration.T_map_sensor, found.velocity, found);
 }
 
 void Localizer::consider_places(const Octree& map, const Scan& raw, const PoseEstimate& predicted,
                                 const Contradicting& contradicting, Localization& found) const {
   std::vector<Hypothesis> all = is_lost() ? search(map, found) : guess_around(map, raw, predicted, found);
-  for (Hypothesis& place : all) undistort_again(map, raw, predicted.covariance, found, place);
+  if (found.is_deskewed && last_ && !is_lost()) {
+    for (Hypothesis& place : all) {
+      if (found.motion_is_known)
+        refit(map, raw, predicted.covariance, found, place);
+      else
+        undistort_again(map, raw, predicted.covariance, found, place);
+    }
+  }
   all = distinct(std::move(all), lidar_.scan_period);
   if (contradicting) {
     for (Hypothesis& place : all) {
@@ -172,7 +186,7 @@ void Localizer::consider_places(const Octree& map, const Scan& raw, const PoseEs
   if (found.passes() && winner.registration.explained_fraction() < kAsGood * tied_)
     found.reject_reason = RejectReason::kAmbiguous;
   if (contradicting) found.contradicting_fraction = winner.contradicting_fraction;
-  const bool was_measured = found.motion_is_known && winner.velocity != found.velocity;
+  const bool was_measured = found.motion_is_known && winner.motion.after != found.velocity;
   take(std::move(winner), found);
   if (was_measured) found.motion = found.velocity;
 }
@@ -182,22 +196,57 @@ void Localizer::undistort_again(const Octree& map, const Scan& raw, const Matrix
   constexpr int kTries = 2;
   constexpr double kTranslation = 0.03;  // [m] within a scan, which hardly matters
   constexpr double kRotation = 0.005;    // [rad]
-  constexpr double kUsual = 3;      // times as much, where the fit raises no doubt; twice that of a turn,
-  constexpr double kUsualTurn = 6;  // which tilting on rough ground makes all the time
-  if (!found.is_deskewed || !last_ || is_lost()) return;
-  const bool is_usual = gate_.is_usual(place.registration);
-  const double translation = (is_usual ? kUsual : 1) * kTranslation;
-  const double rotation = (is_usual ? kUsualTurn : 1) * kRotation;
   for (int i = 0; i < kTries && place.registration.converged(); ++i) {
     const Pose& T_map_sensor = place.registration.T_map_sensor;
-    const Twist moved = velocity_between_middles(T_map_sensor, place.velocity, found);
-    const Twist off = lidar_.scan_period * (moved - place.velocity);
-    if (off.head<3>().norm() < translation && off.tail<3>().norm() < rotation) return;
-    Hypothesis again{{}, undistorted(raw, moved), moved};
+    const Twist moved = velocity_between_middles(T_map_sensor, place.motion.after, found);
+    const Twist off = lidar_.scan_period * (moved - place.motion.after);
+    if (off.head<3>().norm() < kTranslation && off.tail<3>().norm() < kRotation) return;
+    Hypothesis again{{}, undistorted(raw, moved), ScanMotion::steady(moved)};
     again.registration = register_near(map, again.scan, {T_map_sensor * exp(off / 2), covariance});
     if (again.score() <= place.score()) return;
     place = std::move(again);
   }
+}
+
+void Localizer::refit(const Octree& map, const Scan& raw, const Matrix6& covariance,
+                      const Localization& found, Hypothesis& place) const {
+  constexpr int kTries = 2;
+  MotionPrior prior{begin_of(found, map.grid().edge), covariance, false};
+  for (const bool may_bend : {false, true}) {
+    prior.may_bend = may_bend;
+    for (int i = 0; i < kTries && place.registration.converged(); ++i) {
+      const auto moved = fit_motion(map, raw, place.scan, {place.motion, place.registration.T_map_sensor},
+                                    prior, lidar_, parameters_.registration);
+      if (!moved) break;
+      Hypothesis again{{}, deskew(raw, moved->motion, lidar_.scan_period), moved->motion};
+      again.registration = register_near(map, again.scan, {moved->T_map_sensor, covariance});
+      if (again.score() <= place.score()) break;
+      place = std::move(again);
+    }
+  }
+}
+
+void Localizer::try_turns(const Octree& map, const Scan& raw, const Matrix6& covariance,
+                          const Localization& found, Hypothesis& place) const {
+  constexpr double kBetter = 0.02;  // by less, a score differs for nothing
+  const PoseEstimate begin = begin_of(found, map.grid().edge);
+  const MovingPose guess = best_turn(map, raw, begin.T_map_sensor, velocity_.value_or(found.velocity), lidar_,
+                                     parameters_.registration);
+  Hypothesis turned{{}, deskew(raw, guess.motion, lidar_.scan_period), guess.motion};
+  turned.registration =
+      register_near(map, turned.scan, {guess.T_map_sensor, covariance + within(0.1, 3 * kDegree)});
+  refit(map, raw, covariance, found, turned);
+  if (turned.registration.converged() && turned.score() > place.score() + kBetter) place = std::move(turned);
+}
+
+PoseEstimate Localizer::begin_of(const Localization& found, double edge) const {
+  const double unseen = found.time - lidar_.scan_period - last_->time;  // [s] between the scans
+  const double shift = std::max(0.01, edge / 20);  // [m] a fix may be off and not know it
+  constexpr double kSpeed = 1;                     // [m/s] that may have changed since
+  constexpr double kLever = 10;                    // [m]
+  const double off = shift + kSpeed * std::abs(unseen);
+  const Pose T_map_begin = last_->T_map_sensor * exp(unseen * last_->velocity);
+  return {T_map_begin, last_->covariance + within(off, off / kLever)};
 }
 
 void Localizer::conclude(Localization& found) {
@@ -253,20 +302,19 @@ std::vector<Hypothesis> Localizer::guess_around(const Octree& map, const Scan& r
                             parameters_.registration);
   std::vector<Hypothesis> places;
   for (std::size_t views = 0; views <= registration.views(); ++views) {
-    places.push_back({registration.from(predicted, views), found.scan, found.velocity});
+    places.push_back({registration.from(predicted, views), found.scan, ScanMotion::steady(found.velocity)});
   }
   const auto try_from = [&](double forward, double yaw, double speed) {
     PoseEstimate guess = predicted;
     guess.T_map_sensor.translation += guess.T_map_sensor.rotation.col(0) * forward;
     guess.T_map_sensor.rotation =
         Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * guess.T_map_sensor.rotation;
-    Hypothesis place{{}, found.scan, found.velocity};
-    if (found.motion_is_known) {
-      place.velocity = velocity_to(guess.T_map_sensor, found.time);
-    }
-    place.velocity.x() += speed;
+    Hypothesis place{{}, found.scan, ScanMotion::steady(found.velocity)};
+    Twist velocity = found.motion_is_known ? velocity_to(guess.T_map_sensor, found.time) : found.velocity;
+    velocity.x() += speed;
+    place.motion = ScanMotion::steady(velocity);
     if (found.is_deskewed) {
-      place.scan = undistorted(raw, place.velocity);
+      place.scan = undistorted(raw, velocity);
       registration.set_scan(place.scan);
     }
     place.registration = registration.from(guess, registration.views());
@@ -286,7 +334,7 @@ std::vector<Hypothesis> Localizer::search(const Octree& map, const Localization&
   std::vector<Hypothesis> all;
   for (const Registration& place : places(map, found.scan, found.T_map_sensor_predicted, lidar_,
                                           parameters_.registration, parameters_.relocation)) {
-    all.push_back({place, found.scan, found.velocity});
+    all.push_back({place, found.scan, ScanMotion::steady(found.velocity)});
   }
   return all;
 }

@@ -124,8 +124,7 @@ double response(const Octree& map, const std::vector<Gaussian>& bundles_sensor, 
   for (const double leaves : {-0.75, -0.5, 0.5, 0.75}) {
     const Twist shift = leaves * map.grid().edge * direction;
     const Pose T_map_shifted = perturb(T_map_sensor, shift);
-    const NormalEquations equations =
-        linearize(match(map, bundles_sensor, T_map_shifted), bundles_sensor, T_map_shifted, kernel);
+    const NormalEquations equations = equations_at(map, bundles_sensor, T_map_shifted, kernel);
     pull += shift.dot(equations.gradient);
     stiffness += shift.dot(equations.hessian * shift);
   }
@@ -161,12 +160,6 @@ Matrix6 information(const NormalEquations& equations, const Octree& map,
   return inverse.asDiagonal() * per_unit * inverse.asDiagonal() / equations.mean_inlier_error();
 }
 
-/// How far leaves of this edge may mislead: the faces of a wall may lie in one.
-Matrix6 systematic(double edge) {
-  constexpr double kLever = 10;  // [m]
-  return within(edge / 20, edge / 20 / kLever);
-}
-
 RejectReason judge(const Registration& registration, std::size_t matched, bool settled,
                    const RegistrationParameters& parameters) {
   if (matched < parameters.least_matches) return RejectReason::kTooFewMatches;
@@ -184,6 +177,11 @@ std::vector<Gaussian> bundles_in_sensor_frame(const Scan& scan, double edge, con
   bundles.reserve(condensed.bundles().size());
   for (const RayBundle& bundle : condensed.bundles()) bundles.push_back(bundle.points);
   return bundles;
+}
+
+NormalEquations equations_at(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
+                             const Pose& T_map_sensor, const RobustKernel& kernel) {
+  return linearize(match(map, bundles_sensor, T_map_sensor), bundles_sensor, T_map_sensor, kernel);
 }
 
 Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bundles_sensor,

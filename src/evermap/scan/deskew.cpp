@@ -6,20 +6,25 @@
 
 namespace evermap {
 
-Scan deskew(const Scan& scan, const Pose& T_begin_end, double duration) {
+Pose ScanMotion::T_end_then(double fraction, double duration) const {
+  if (fraction >= bend) return exp((fraction - 1) * duration * after);
+  return exp((bend - 1) * duration * after) * exp((fraction - bend) * duration * before);
+}
+
+double fraction_at(float time_offset, double duration) { return std::min(time_offset / duration, 1.0); }
+
+Scan deskew(const Scan& scan, const ScanMotion& motion, double duration) {
   const std::vector<float>& times = scan.time_offset;
   Scan still = scan;
   if (times.empty()) return still;
   const auto [first, last] = std::minmax_element(times.begin(), times.end());
   if (*first == *last) return still;
-  const Twist motion = log(T_begin_end);
-  double moment = -1;  // points measured at one moment follow each other
+  float moment = -1;  // points measured at one moment follow each other
   Pose T_end_then;
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (times[i] != moment) {
       moment = times[i];
-      const double left = 1 - std::min(moment / duration, 1.0);
-      T_end_then = exp(-left * motion);
+      T_end_then = motion.T_end_then(fraction_at(moment, duration), duration);
     }
     still.p_sensor[i] = T_end_then * scan.p_sensor[i];
   }

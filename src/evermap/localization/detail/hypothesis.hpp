@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <evermap/localization/detail/registration.hpp>
+#include <evermap/scan/detail/deskew.hpp>
 
 namespace evermap {
 
@@ -13,7 +14,7 @@ namespace evermap {
 struct Hypothesis {
   Registration registration;
   Scan scan;                          ///< deskewed as the sensor moved to get there
-  Twist velocity = Twist::Zero();     ///< [m/s, rad/s] in the sensor's frame, by which it was
+  ScanMotion motion = {};             ///< by which it was
   double contradicting_fraction = 0;  ///< of the scan's rays there: they cross what the map believes in
 
   /// What of the scan fits the map there, less what does not: bundles beside their leaves, rays through

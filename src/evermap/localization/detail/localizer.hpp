@@ -24,12 +24,13 @@ struct Localization {
   double time = 0;                    ///< [s] when the scan ended
   std::optional<Pose> T_odom_sensor;  ///< what odometry said then
   Pose T_map_sensor_predicted;
-  Scan scan;                       ///< deskewed, its points all as of `time`
-  Twist velocity = Twist::Zero();  ///< [m/s, rad/s] in the sensor's frame, by which it was deskewed
-  bool is_deskewed = false;        ///< it had times
-  Twist motion = Twist::Zero();    ///< [m/s, rad/s] since the last fix, or in this scan where it told
-  bool motion_is_known = false;    ///< the prediction came from odometry or from a known velocity
-  bool odometry_jumps = false;     ///< and is therefore not followed
+  Scan scan;  ///< deskewed, its points all as of `time`
+  Twist velocity =
+      Twist::Zero();             ///< [m/s, rad/s] in the sensor's frame, at its end, by which it was deskewed
+  bool is_deskewed = false;      ///< it had times
+  Twist motion = Twist::Zero();  ///< [m/s, rad/s] since the last fix, or in this scan where it told
+  bool motion_is_known = false;  ///< the prediction came from odometry or from a known velocity
+  bool odometry_jumps = false;   ///< and is therefore not followed
   std::optional<double> contradicting_fraction;  ///< of the scan's rays there, where they were counted
 
   bool passes() const { return reject_reason == RejectReason::kNone; }
@@ -126,9 +127,17 @@ class Localizer {
   void consider_places(const Octree& map, const Scan& raw, const PoseEstimate& predicted,
                        const Contradicting& contradicting, Localization& found) const;
   void take(Hypothesis&& place, Localization& found) const;
-  /// Where the sensor did not move as predicted, deskews by how it moved, and registers once more.
+  /// Where the sensor was when a scan began. `edge` [m]: of the map's leaves. REQUIRES: there was a fix.
+  PoseEstimate begin_of(const Localization& found, double edge) const;
+  /// While its motion is not known: deskews by how it moved since the last fix, and registers once more.
   void undistort_again(const Octree& map, const Scan& raw, const Matrix6& covariance,
                        const Localization& found, Hypothesis& place) const;
+  /// Where the sensor did not move as assumed, deskews by how it moved, and registers once more.
+  void refit(const Octree& map, const Scan& raw, const Matrix6& covariance, const Localization& found,
+             Hypothesis& place) const;
+  /// Takes another place where the sensor is if it suddenly turned, or went straight, and more fits there.
+  void try_turns(const Octree& map, const Scan& raw, const Matrix6& covariance, const Localization& found,
+                 Hypothesis& place) const;
   void pass(const Localization& found);
   void fail();
 

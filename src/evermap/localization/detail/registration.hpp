@@ -32,6 +32,12 @@ inline Matrix6 within(double shift, double turn) {
   return (Twist() << shift, shift, shift, turn, turn, turn).finished().cwiseAbs2().asDiagonal();
 }
 
+/// How far leaves of this edge [m] may mislead: the faces of a wall may lie in one.
+inline Matrix6 systematic(double edge) {
+  constexpr double kLever = 10;  // [m]
+  return within(edge / 20, edge / 20 / kLever);
+}
+
 /// A pose and how well it is known: within about 1 m and 10 degrees, unless said otherwise.
 struct PoseEstimate {
   Pose T_map_sensor;
@@ -60,6 +66,10 @@ struct Registration {
 std::vector<Gaussian> bundles_in_sensor_frame(
     const Scan& scan, double edge, const LidarParameters& lidar,
     std::size_t max_bundles = std::numeric_limits<std::size_t>::max());
+
+/// What the bundles [sensor frame] say about the pose, linearized there.
+NormalEquations equations_at(const Octree& map, const std::vector<Gaussian>& bundles_sensor,
+                             const Pose& T_map_sensor, const RobustKernel& kernel);
 
 /// Registers bundles [sensor frame] to the leaves of the map, distribution to distribution, from a pose that
 /// is off by no more than about a leaf's edge (coarse_to_fine reaches further).

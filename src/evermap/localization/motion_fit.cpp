@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include <evermap/localization/detail/motion_fit.hpp>
+#include <evermap/localization/detail/perturbation.hpp>
+
+namespace evermap {
+namespace {
+
+constexpr int kParts = 8;                           ///< of a scan, equally long
+constexpr double kDegree = std::numbers::pi / 180;  ///< [rad]
+
+using Parts = std::array<NormalEquations, kParts>;
+
+/// What each part of the scan says about the pose at which all of it was registered.
+Parts equations_of_parts(const Octree& map, const Scan& raw, const Scan& deskewed, const Pose& T_map_sensor,
+                         const LidarParameters& lidar, const RegistrationParameters& parameters) {
+  std::array<Scan, kParts> parts;
+  for (std::size_t i = 0; i < deskewed.p_sensor.size(); ++i) {
+    const double fraction = fraction_at(raw.time_offset[i], lidar.scan_period);
+    const int part = std::clamp(static_cast<int>(fraction * kParts), 0, kParts - 1);
+    parts[part].p_sensor.push_back(deskewed.p_sensor[i]);
+  }
+  Parts equations;
+  for (int i = 0; i < kParts; ++i) {
+    const auto bundles =
+        bundles_in_sensor_frame(parts[i], map.grid().edge, lidar, parameters.first_bundles / kParts);
+    equations[i] = equations_at(map, bundles, T_map_sensor, {parameters.first_kernel_width});
+  }
+  return equations;
+}
+
+/// The same, as far as leaves of this edge can be believed: each part may be off by as much as they mislead.
+NormalEquations as_far_as_believed(const NormalEquations& part, double unit, double edge) {
+  const Matrix6 hessian = part.hessian / unit;
+  const Matrix6 kept = Matrix6::Identity() - hessian * (hessian + systematic(edge).inverse()).inverse();
+  NormalEquations believed;
+  believed.hessian = kept * hessian;
+  believed.gradient = kept * part.gradient / unit;
+  return believed;
+}
+
+/// How far the sensor was from where it is assumed to have been, in twists of perturb(): at the scan's begin
+/// by `offset`, at its end by `drift` more, and from the bend on by as much as `turn` in a whole scan.
+struct Deviation {
+  Twist at(double fraction) const {
+    return offset + fraction * drift + std::max(0.0, fraction - bend) * turn;
+  }
+
+  Twist offset, drift, turn;
+  double bend;  ///< fraction of the scan; 1 when there is none
+  double cost;  ///< twice the negative logarithm of its likelihood, but for a constant
+};
+
+/// The likeliest deviation with this bend.
+Deviation fit(const Parts& parts, double bend, const Twist& offset, const MotionPrior& prior) {
+  using Vector18 = Eigen::Matrix<double, 18, 1>;
+  using Matrix18 = Eigen::Matrix<double, 18, 18>;
+  const Matrix6 of_turn = within(0.5, 8 * kDegree);  // in 0.1 s, vehicles do not do more
+  Matrix18 information = Matrix18::Zero();
+  information.block<6, 6>(0, 0) = prior.begin.covariance.inverse();
+  information.block<6, 6>(6, 6) = prior.drift.inverse();
+  information.block<6, 6>(12, 12) = of_turn.inverse();
+  Vector18 pull = Vector18::Zero();
+  pull.head<6>() = information.block<6, 6>(0, 0) * offset;
+  for (int part = 0; part < kParts; ++part) {
+    const double fraction = (part + 0.5) / kParts;
+    const Eigen::Vector3d weights(1, fraction, std::max(0.0, fraction - bend));
+    for (int i = 0; i < 3; ++i) {
+      pull.segment<6>(6 * i) -= weights[i] * parts[part].gradient;
+      for (int j = 0; j < 3; ++j)
+        information.block<6, 6>(6 * i, 6 * j) += weights[i] * weights[j] * parts[part].hessian;
+    }
+  }
+  const Vector18 x = information.ldlt().solve(pull);
+  return {x.head<6>(), x.segment<6>(6), x.tail<6>(), bend, -x.dot(pull)};
+}
+
+/// About every k-th point of a scan, some thousands in all.
+Scan thinned(const Scan& scan) {
+  constexpr std::size_t kPoints = 8000;
+  const std::size_t step = std::max<std::size_t>(1, scan.p_sensor.size() / kPoints);
+  Scan thin;
+  for (std::size_t i = 0; i < scan.p_sensor.size(); i += step) {
+    thin.p_sensor.push_back(scan.p_sensor[i]);
+    thin.time_offset.push_back(scan.time_offset[i]);
+  }
+  return thin;
+}
+
+Pose end_of(const Pose& T_map_begin, const ScanMotion& motion, double duration) {
+  return T_map_begin * motion.T_end_then(0, duration).inverse();
+}
+
+}  // namespace
+
+std::optional<MovingPose> fit_motion(const Octree& map, const Scan& raw, const Scan& deskewed,
+                                     const MovingPose& assumed, const MotionPrior& prior,
+                                     const LidarParameters& lidar, const RegistrationParameters& parameters) {
+  constexpr double kLeastGain = 30;  // of cost: a bend that explains less is noise
+  const double period = lidar.scan_period;
+  Parts parts = equations_of_parts(map, raw, deskewed, assumed.T_map_sensor, lidar, parameters);
+  NormalEquations all;
+  for (const NormalEquations& part : parts) all += part;
+  if (all.inliers == 0) return std::nullopt;
+  for (NormalEquations& part : parts)
+    part = as_far_as_believed(part, all.mean_inlier_error(), map.grid().edge);
+  const Pose T_map_sensor_expected = end_of(prior.begin.T_map_sensor, assumed.motion, period);
+  const Twist offset = difference(assumed.T_map_sensor, T_map_sensor_expected);
+  const Deviation steady = fit(parts, 1, offset, prior);
+  Deviation best = steady;
+  for (int i = 1; prior.may_bend && i < kParts; ++i) {
+    const Deviation bent = fit(parts, static_cast<double>(i) / kParts, offset, prior);
+    if (bent.cost < std::min(best.cost, steady.cost - kLeastGain)) best = bent;
+  }
+  if (prior.may_bend && best.bend == 1) return std::nullopt;
+
+  const double least_shift = std::max(0.02, map.grid().edge / 10);  // [m] below which nothing is to be gained
+  const double least_turn = std::max(0.15 * kDegree, least_shift / 10);
+  const auto is_small = [&](const Twist& twist) {
+    return twist.head<3>().norm() < least_shift && twist.tail<3>().norm() < least_turn;
+  };
+  if (is_small(best.at(1)) && is_small(best.at(1) - best.at(0))) return std::nullopt;
+  const auto T_map_then = [&](double fraction) {
+    return perturb(assumed.T_map_sensor, best.at(fraction)) * assumed.motion.T_end_then(fraction, period);
+  };
+  const auto velocity = [&](double from, double to) {
+    return Twist(log(T_map_then(from).inverse() * T_map_then(to)) / ((to - from) * period));
+  };
+  if (best.bend == 1) return MovingPose{ScanMotion::steady(velocity(0, 1)), T_map_then(1)};
+  return MovingPose{{velocity(0, best.bend), velocity(best.bend, 1), best.bend}, T_map_then(1)};
+}
+
+MovingPose best_turn(const Octree& map, const Scan& raw, const Pose& T_map_begin, const Twist& before,
+                     const LidarParameters& lidar, const RegistrationParameters& parameters) {
+  const Eigen::Vector3d up =
+      T_map_begin.rotation.transpose() * Eigen::Vector3d::UnitZ();  // in the sensor's frame
+  const Scan thin = thinned(raw);
+  MovingPose best;
+  double most = -1;
+  const auto consider = [&](const ScanMotion& motion) {
+    const Pose T_map_sensor = end_of(T_map_begin, motion, lidar.scan_period);
+    const auto bundles = bundles_in_sensor_frame(deskew(thin, motion, lidar.scan_period), map.grid().edge,
+                                                 lidar, parameters.first_bundles);
+    const NormalEquations there = equations_at(map, bundles, T_map_sensor, {parameters.first_kernel_width});
+    const double fits = 2 * static_cast<double>(there.inliers) - static_cast<double>(there.matched);
+    if (fits <= most * static_cast<double>(bundles.size())) return;
+    most = fits / static_cast<double>(bundles.size());
+    best = {motion, T_map_sensor};
+  };
+  consider(ScanMotion::steady(before));
+  for (const double turn :
+       {-up.dot(before.tail<3>()), -120 * kDegree, -60 * kDegree, 60 * kDegree, 120 * kDegree}) {
+    Twist after = before;
+    after.tail<3>() += turn * up;
+    for (int i = 0; i < kParts; ++i) consider({before, after, static_cast<double>(i) / kParts});
+  }
+  return best;
+}
+
+}  // namespace evermap
