@@ -121,14 +121,15 @@ Localization Localizer::propose(const Octree& map, const Scan& raw, double time,
   found.motion_is_known = last_ && !is_lost() && (velocity_ || has_odometry(found));
   if (last_) found.velocity = velocity_to(found.T_map_sensor_predicted, time);
   found.scan = undistorted(raw, found.velocity);
-  found.is_deskewed = !raw.time_offset.empty();
+  found.is_deskewed = has_times(raw);
   const PoseEstimate predicted{found.T_map_sensor_predicted, uncertainty(found, time)};
   if (found.motion_is_known && effort == Effort::kUsual) {
     Hypothesis near{{}, std::move(found.scan), ScanMotion::steady(found.velocity)};
     near.registration = register_near(map, near.scan, predicted);
     if (found.is_deskewed) {
       refit(map, raw, predicted.covariance, found, near);
-      if (!gate_.is_usual(near.registration)) try_turns(map, raw, predicted.covariance, found, near);
+      const bool is_doubtful = gate_.knows_what_is_usual() && !gate_.is_usual(near.registration);
+      if (is_doubtful) try_turns(map, raw, predicted.covariance, found, near);
     }
     take(std::move(near), found);
     found.reject_reason = gate_.judge(found.registration, found.T_map_sensor_predicted, slack(found));
@@ -210,18 +211,19 @@ void Localizer::undistort_again(const Octree& map, const Scan& raw, const Matrix
 
 void Localizer::refit(const Octree& map, const Scan& raw, const Matrix6& covariance,
                       const Localization& found, Hypothesis& place) const {
-  constexpr int kTries = 2;
-  MotionPrior prior{begin_of(found, map.grid().edge), covariance, false};
-  for (const bool may_bend : {false, true}) {
-    prior.may_bend = may_bend;
-    for (int i = 0; i < kTries && place.registration.converged(); ++i) {
-      const auto moved = fit_motion(map, raw, place.scan, {place.motion, place.registration.T_map_sensor},
-                                    prior, lidar_, parameters_.registration);
-      if (!moved) break;
-      Hypothesis again{{}, deskew(raw, moved->motion, lidar_.scan_period), moved->motion};
-      again.registration = register_near(map, again.scan, {moved->T_map_sensor, covariance});
-      if (again.score() <= place.score()) break;
+  constexpr int kTries = 3;
+  const MotionPrior prior{begin_of(found, map.grid().edge), covariance};
+  bool gains = true;
+  for (int i = 0; gains && i < kTries && place.registration.converged(); ++i) {
+    gains = false;
+    const auto better = fit_motion(map, raw, place.scan, {place.motion, place.registration.T_map_sensor},
+                                   prior, lidar_, parameters_.registration);
+    for (const MovingPose& moved : better) {
+      Hypothesis again{{}, deskew(raw, moved.motion, lidar_.scan_period), moved.motion};
+      again.registration = register_near(map, again.scan, {moved.T_map_sensor, covariance});
+      if (again.score() <= place.score()) continue;
       place = std::move(again);
+      gains = true;
     }
   }
 }

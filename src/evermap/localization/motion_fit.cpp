@@ -21,11 +21,21 @@ constexpr double kDegree = std::numbers::pi / 180;  ///< [rad]
 
 using Parts = std::array<NormalEquations, kParts>;
 
+/// Indices of points all over a scan, some thousands in all. An odd step meets all beams of a sensor in turn.
+std::vector<std::size_t> some_points(std::size_t count) {
+  constexpr std::size_t kPoints = 8000;
+  const std::size_t step = count / kPoints | 1;
+  std::vector<std::size_t> some;
+  some.reserve(count / step + 1);
+  for (std::size_t i = 0; i < count; i += step) some.push_back(i);
+  return some;
+}
+
 /// What each part of the scan says about the pose at which all of it was registered.
 Parts equations_of_parts(const Octree& map, const Scan& raw, const Scan& deskewed, const Pose& T_map_sensor,
                          const LidarParameters& lidar, const RegistrationParameters& parameters) {
   std::array<Scan, kParts> parts;
-  for (std::size_t i = 0; i < deskewed.p_sensor.size(); ++i) {
+  for (const std::size_t i : some_points(deskewed.p_sensor.size())) {
     const double fraction = fraction_at(raw.time_offset[i], lidar.scan_period);
     const int part = std::clamp(static_cast<int>(fraction * kParts), 0, kParts - 1);
     parts[part].p_sensor.push_back(deskewed.p_sensor[i]);
@@ -85,66 +95,63 @@ Deviation fit(const Parts& parts, double bend, const Twist& offset, const Motion
   return {x.head<6>(), x.segment<6>(6), x.tail<6>(), bend, -x.dot(pull)};
 }
 
-/// About every k-th point of a scan, some thousands in all.
-Scan thinned(const Scan& scan) {
-  constexpr std::size_t kPoints = 8000;
-  const std::size_t step = std::max<std::size_t>(1, scan.p_sensor.size() / kPoints);
-  Scan thin;
-  for (std::size_t i = 0; i < scan.p_sensor.size(); i += step) {
-    thin.p_sensor.push_back(scan.p_sensor[i]);
-    thin.time_offset.push_back(scan.time_offset[i]);
-  }
-  return thin;
-}
-
 Pose end_of(const Pose& T_map_begin, const ScanMotion& motion, double duration) {
   return T_map_begin * motion.T_end_then(0, duration).inverse();
 }
 
 }  // namespace
 
-std::optional<MovingPose> fit_motion(const Octree& map, const Scan& raw, const Scan& deskewed,
-                                     const MovingPose& assumed, const MotionPrior& prior,
-                                     const LidarParameters& lidar, const RegistrationParameters& parameters) {
-  constexpr double kLeastGain = 30;  // of cost: a bend that explains less is noise
+std::vector<MovingPose> fit_motion(const Octree& map, const Scan& raw, const Scan& deskewed,
+                                   const MovingPose& assumed, const MotionPrior& prior,
+                                   const LidarParameters& lidar, const RegistrationParameters& parameters) {
+  constexpr double kLeastGain = 15;  // of cost: what explains less is noise
   const double period = lidar.scan_period;
   Parts parts = equations_of_parts(map, raw, deskewed, assumed.T_map_sensor, lidar, parameters);
   NormalEquations all;
   for (const NormalEquations& part : parts) all += part;
-  if (all.inliers == 0) return std::nullopt;
+  if (all.inliers == 0) return {};
   for (NormalEquations& part : parts)
     part = as_far_as_believed(part, all.mean_inlier_error(), map.grid().edge);
   const Pose T_map_sensor_expected = end_of(prior.begin.T_map_sensor, assumed.motion, period);
   const Twist offset = difference(assumed.T_map_sensor, T_map_sensor_expected);
-  const Deviation steady = fit(parts, 1, offset, prior);
-  Deviation best = steady;
-  for (int i = 1; prior.may_bend && i < kParts; ++i) {
-    const Deviation bent = fit(parts, static_cast<double>(i) / kParts, offset, prior);
-    if (bent.cost < std::min(best.cost, steady.cost - kLeastGain)) best = bent;
-  }
-  if (prior.may_bend && best.bend == 1) return std::nullopt;
-
   const double least_shift = std::max(0.02, map.grid().edge / 10);  // [m] below which nothing is to be gained
   const double least_turn = std::max(0.15 * kDegree, least_shift / 10);
-  const auto is_small = [&](const Twist& twist) {
-    return twist.head<3>().norm() < least_shift && twist.tail<3>().norm() < least_turn;
+  const auto matters = [&](const Twist& twist) {
+    return twist.head<3>().norm() > least_shift || twist.tail<3>().norm() > least_turn;
   };
-  if (is_small(best.at(1)) && is_small(best.at(1) - best.at(0))) return std::nullopt;
-  const auto T_map_then = [&](double fraction) {
-    return perturb(assumed.T_map_sensor, best.at(fraction)) * assumed.motion.T_end_then(fraction, period);
+  const Deviation steady = fit(parts, 1, offset, prior);
+  Deviation bent = steady;
+  for (int i = 1; i < kParts; ++i) {
+    const Deviation next = fit(parts, static_cast<double>(i) / kParts, offset, prior);
+    if (next.cost < bent.cost) bent = next;
+  }
+  const auto moved_by = [&](const Deviation& deviation) {
+    const auto T_map_then = [&](double fraction) {
+      return perturb(assumed.T_map_sensor, deviation.at(fraction)) *
+             assumed.motion.T_end_then(fraction, period);
+    };
+    const auto velocity = [&](double from, double to) {
+      return Twist(log(T_map_then(from).inverse() * T_map_then(to)) / ((to - from) * period));
+    };
+    const double bend = deviation.bend;
+    if (bend == 1) return MovingPose{ScanMotion::steady(velocity(0, 1)), T_map_then(1)};
+    return MovingPose{{velocity(0, bend), velocity(bend, 1), bend}, T_map_then(1)};
   };
-  const auto velocity = [&](double from, double to) {
-    return Twist(log(T_map_then(from).inverse() * T_map_then(to)) / ((to - from) * period));
-  };
-  if (best.bend == 1) return MovingPose{ScanMotion::steady(velocity(0, 1)), T_map_then(1)};
-  return MovingPose{{velocity(0, best.bend), velocity(best.bend, 1), best.bend}, T_map_then(1)};
+  std::vector<MovingPose> better;
+  if (matters(steady.at(1)) || matters(steady.drift / 4)) better.push_back(moved_by(steady));
+  if (bent.cost < steady.cost - kLeastGain && matters(bent.at(1))) better.push_back(moved_by(bent));
+  return better;
 }
 
 MovingPose best_turn(const Octree& map, const Scan& raw, const Pose& T_map_begin, const Twist& before,
                      const LidarParameters& lidar, const RegistrationParameters& parameters) {
   const Eigen::Vector3d up =
       T_map_begin.rotation.transpose() * Eigen::Vector3d::UnitZ();  // in the sensor's frame
-  const Scan thin = thinned(raw);
+  Scan thin;
+  for (const std::size_t i : some_points(raw.p_sensor.size())) {
+    thin.p_sensor.push_back(raw.p_sensor[i]);
+    thin.time_offset.push_back(raw.time_offset[i]);
+  }
   MovingPose best;
   double most = -1;
   const auto consider = [&](const ScanMotion& motion) {

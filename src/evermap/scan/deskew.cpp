@@ -13,12 +13,15 @@ Pose ScanMotion::T_end_then(double fraction, double duration) const {
 
 double fraction_at(float time_offset, double duration) { return std::min(time_offset / duration, 1.0); }
 
+bool has_times(const Scan& scan) {
+  const auto [first, last] = std::minmax_element(scan.time_offset.begin(), scan.time_offset.end());
+  return first != last && *first != *last;
+}
+
 Scan deskew(const Scan& scan, const ScanMotion& motion, double duration) {
   const std::vector<float>& times = scan.time_offset;
   Scan still = scan;
-  if (times.empty()) return still;
-  const auto [first, last] = std::minmax_element(times.begin(), times.end());
-  if (*first == *last) return still;
+  if (!has_times(scan)) return still;
   float moment = -1;  // points measured at one moment follow each other
   Pose T_end_then;
   for (std::size_t i = 0; i < times.size(); ++i) {

@@ -47,6 +47,7 @@ class Gate {
                           const Pose& T_map_sensor_predicted, double slack) const;
   /// Whether a registration fits about as well as those that passed before; false as long as there are few.
   bool is_usual(const Registration& registration) const;
+  bool knows_what_is_usual() const { return explained_.is_known(); }
   /// Whether so many contradictions are unusual.
   bool is_contradicting(double fraction) const;
   /// Takes a scan that passed. `is_predicted`: whether its prediction came from known motion.

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
+#include <vector>
 
 #include <evermap/localization/detail/registration.hpp>
 #include <evermap/scan/detail/deskew.hpp>
@@ -19,19 +19,18 @@ struct MovingPose {
 struct MotionPrior {
   PoseEstimate begin;  ///< where the scan before ended
   Matrix6 drift;       ///< covariance [m, rad] of what a scan's end may be off, for another velocity
-  bool may_bend;       ///< whether it may have changed its velocity within the scan
 };
 
-/// A motion that explains a scan better than the `assumed` one, by which `deskewed` was made of `raw`, and
-/// with which it was registered. None when the assumed one explains it about as well.
+/// Motions that explain a scan better than the `assumed` one, by which `deskewed` was made of `raw`, and with
+/// which it was registered: at one velocity, and at one to some moment and at another from there on. None
+/// where the assumed one explains it about as well.
 ///
 /// Parts of the scan, taken one after the other, are held against the map each for itself; what they say
-/// about where the sensor was then is joined: from where the scan began, at one velocity, or at one to some
-/// moment and at another from there on. Vehicles enter turns within a scan; one velocity for all of it leaves
-/// the pose at its end off by degrees. REQUIRES: raw has times.
-std::optional<MovingPose> fit_motion(const Octree& map, const Scan& raw, const Scan& deskewed,
-                                     const MovingPose& assumed, const MotionPrior& prior,
-                                     const LidarParameters& lidar, const RegistrationParameters& parameters);
+/// about where the sensor was then is joined, from where the scan began. Vehicles enter turns within a scan;
+/// one velocity for all of it leaves the pose at its end off by degrees. REQUIRES: has_times(raw).
+std::vector<MovingPose> fit_motion(const Octree& map, const Scan& raw, const Scan& deskewed,
+                                   const MovingPose& assumed, const MotionPrior& prior,
+                                   const LidarParameters& lidar, const RegistrationParameters& parameters);
 
 /// A few of the motions by which a vehicle that moved at `before` may have taken the scan: it went on, or
 /// turned from some moment on, or no longer. Of these the one by which most of the scan fits the map.

@@ -19,6 +19,9 @@ struct ScanMotion {
   double bend = 0;                                      ///< fraction of the scan
 };
 
+/// Whether points were measured at different times, and say so.
+bool has_times(const Scan& scan);
+
 /// Undoes the sensor's motion while it turned: every point as it would have been measured at the scan's end,
 /// `duration` [s] after its begin. Times beyond the duration count as the end. A scan without times, or whose
 /// times are all the same, comes back as it is.
