@@ -14,7 +14,7 @@
 namespace evermap {
 namespace {
 
-struct Options {
+struct BuildOptions {
   RunOptions run;
   LocalizedScans odometry;
   std::filesystem::path poses_out;  ///< empty when not asked for
@@ -25,7 +25,7 @@ struct Options {
 };
 
 template <class RunReport>
-void finish(const Options& options, const Octree& octree, const RunReport& run) {
+void finish(const BuildOptions& options, const Octree& octree, const RunReport& run) {
   save_map(options.map, octree);
   if (options.as_json) {
     Json json = {{"map", options.map.string()}, {"leaves", octree.leaf_count()}};
@@ -36,7 +36,7 @@ void finish(const Options& options, const Octree& octree, const RunReport& run) 
   }
 }
 
-void build_from_poses(const Options& options, const Parameters& parameters) {
+void build_from_poses(const BuildOptions& options, const Parameters& parameters) {
   PosedScans scans(options.run.scans, options.run.poses, options.run.cloud);
   const VoxelGrid grid = VoxelGrid::around(scans.first_pose().translation, options.leaf);
   MapMaintainer maintainer(Octree(grid), parameters, MapMode::kMapping);
@@ -45,7 +45,7 @@ void build_from_poses(const Options& options, const Parameters& parameters) {
 }
 
 /// LiDAR odometry: each scan is localized in the map of those before it. The first pose is the map's origin.
-void build_without_poses(const Options& options, const Parameters& parameters) {
+void build_without_poses(const BuildOptions& options, const Parameters& parameters) {
   LocalizedScans scans = options.odometry;
   scans.scans = options.run.scans;
   scans.cloud = options.run.cloud;
@@ -62,7 +62,7 @@ void build_without_poses(const Options& options, const Parameters& parameters) {
   }
 }
 
-void run(const Options& options) {
+void run_build(const BuildOptions& options) {
   check_leaf(options.leaf);
   Parameters parameters = parameters_of(options.parameters);
   if (options.odometry.rate) parameters.lidar.scan_period = 1 / *options.odometry.rate;
@@ -77,7 +77,7 @@ void run(const Options& options) {
 void add_build(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "build", "Make a map from scans, whose poses are given and trusted, or found by LiDAR odometry");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BuildOptions>();
   add_run_options(*verb, options->run);
   CLI::Option* poses = verb->get_option("--poses")->required(false);
   verb->add_option("--poses-out", options->poses_out, "Poses found by LiDAR odometry, to write (TUM)")
@@ -89,7 +89,7 @@ void add_build(CLI::App& app) {
   add_range_options(*verb, options->parameters);
   add_config_option(*verb, options->parameters);
   add_json_option(*verb, options->as_json);
-  verb->callback([options] { run(*options); });
+  verb->callback([options] { run_build(*options); });
 }
 
 }  // namespace evermap

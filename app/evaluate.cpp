@@ -25,7 +25,7 @@
 namespace evermap {
 namespace {
 
-struct Options {
+struct EvaluateOptions {
   std::filesystem::path map;
   std::filesystem::path scans;
   std::filesystem::path poses;
@@ -49,7 +49,7 @@ DriveScore score_drive(const Octree& octree, PosedScans& scans,
   return score;
 }
 
-void score_map(const Options& options) {
+void score_map(const EvaluateOptions& options) {
   const Octree octree = load_map(options.map);
   const auto boxes = read_labelled_boxes(options.boxes);
   PosedScans scans(options.scans, options.poses);
@@ -106,7 +106,7 @@ MatchedPoses match(const std::vector<StampedPose>& found, const std::vector<Stam
   return matched;
 }
 
-void score_trajectory(const Options& options) {
+void score_trajectory(const EvaluateOptions& options) {
   constexpr double kLongestStretch = 100;  ///< [m]
   constexpr double kDegrees = 180 / std::numbers::pi;
   const std::filesystem::path found = options.trajectory[0];
@@ -145,7 +145,7 @@ void score_trajectory(const Options& options) {
              100 * error.fraction_lost());
 }
 
-void run(const Options& options) {
+void run_evaluate(const EvaluateOptions& options) {
   if (!options.trajectory.empty()) return score_trajectory(options);
   if (options.map.empty()) throw CLI::RequiredError("MAP.evm, or --trajectory,");
   if (options.scans.empty()) throw CLI::RequiredError("SCANS");
@@ -159,7 +159,7 @@ void run(const Options& options) {
 void add_evaluate(CLI::App& app) {
   CLI::App* verb =
       app.add_subcommand("evaluate", "Score a map on raw points of labelled scans, or a trajectory");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EvaluateOptions>();
   CLI::Option* map = verb->add_option("MAP.evm", options->map, "Map to score");
   verb->add_option("SCANS", options->scans, "Folder of scans");
   verb->add_option("--poses", options->poses, "Poses of the scans (TUM or KITTI)");
@@ -176,7 +176,7 @@ void add_evaluate(CLI::App& app) {
       ->capture_default_str()
       ->needs(trajectory);
   add_json_option(*verb, options->as_json);
-  verb->callback([options] { run(*options); });
+  verb->callback([options] { run_evaluate(*options); });
 }
 
 }  // namespace evermap

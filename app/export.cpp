@@ -16,7 +16,7 @@
 namespace evermap {
 namespace {
 
-struct Options {
+struct ExportOptions {
   std::filesystem::path map;
   std::filesystem::path output;
 };
@@ -28,7 +28,7 @@ std::vector<MapFormat> export_formats() {
   return formats;
 }
 
-void run(const Options& options) {
+void run_export(const ExportOptions& options) {
   const std::vector<MapFormat> formats = export_formats();
   check_export_extension(options.output, formats);
   check_writable(options.output);
@@ -41,10 +41,10 @@ void run(const Options& options) {
 
 void add_export(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("export", "Write a map's occupied leaves for other programs");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExportOptions>();
   verb->add_option("MAP.evm", options->map, "Map to read")->required();
   verb->add_option("OUT", options->output, "File to write: .pcd, .ply, or OctoMap's .ot or .bt")->required();
-  verb->callback([options] { run(*options); });
+  verb->callback([options] { run_export(*options); });
 }
 
 }  // namespace evermap

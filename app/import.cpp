@@ -19,7 +19,7 @@
 namespace evermap {
 namespace {
 
-struct Options {
+struct ImportOptions {
   std::filesystem::path cloud;
   CloudOptions reading;
   std::filesystem::path map;
@@ -42,7 +42,7 @@ Eigen::Vector3d median(const Scan& cloud, const Pose& T_map_cloud) {
   return result;
 }
 
-void run(const Options& options) {
+void run_import(const ImportOptions& options) {
   check_leaf(options.leaf);
   const Parameters parameters = parameters_of(options.parameters);
   check_writable(options.map);
@@ -78,7 +78,7 @@ void run(const Options& options) {
 
 void add_import(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("import", "Make a map from a point cloud, all of which is trusted");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ImportOptions>();
   verb->add_option("CLOUD", options->cloud, "Cloud in the map frame: .bin, .pcd or .ply")->required();
   verb->add_option("-o,--output", options->map, "Map to write")->required()->type_name("MAP.evm");
   add_bin_fields_option(*verb, options->reading);
@@ -87,7 +87,7 @@ void add_import(CLI::App& app) {
   add_leaf_option(*verb, options->leaf);
   add_config_option(*verb, options->parameters);
   add_json_option(*verb, options->as_json);
-  verb->callback([options] { run(*options); });
+  verb->callback([options] { run_import(*options); });
 }
 
 }  // namespace evermap

@@ -15,7 +15,7 @@
 namespace evermap {
 namespace {
 
-struct Options {
+struct InfoOptions {
   std::filesystem::path map;
   bool as_json = false;
 };
@@ -39,7 +39,7 @@ Box extent(const Octree& octree) {
 
 std::vector<double> to_vector(const Eigen::Vector3d& v) { return {v.begin(), v.end()}; }
 
-void print_json(const Options& options, const Octree& octree) {
+void print_json(const InfoOptions& options, const Octree& octree) {
   const LeafCounts leaves(octree);
   Json json = {{"map", options.map.string()},
                {"leaf_edge_m", octree.grid().edge},
@@ -55,7 +55,7 @@ void print_json(const Options& options, const Octree& octree) {
   fmt::print("{}", dump(json));
 }
 
-void print_text(const Options& options, const Octree& octree) {
+void print_text(const InfoOptions& options, const Octree& octree) {
   const LeafCounts leaves(octree);
   const Eigen::Vector3d& origin = octree.grid().origin;
   fmt::print(
@@ -72,7 +72,7 @@ void print_text(const Options& options, const Octree& octree) {
              1e-6 * static_cast<double>(octree.memory_bytes()));
 }
 
-void run(const Options& options) {
+void run_info(const InfoOptions& options) {
   const Octree octree = load_map(options.map);
   options.as_json ? print_json(options, octree) : print_text(options, octree);
 }
@@ -81,10 +81,10 @@ void run(const Options& options) {
 
 void add_info(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("info", "Check a map and say what is in it");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<InfoOptions>();
   verb->add_option("MAP.evm", options->map, "Map to read")->required();
   add_json_option(*verb, options->as_json);
-  verb->callback([options] { run(*options); });
+  verb->callback([options] { run_info(*options); });
 }
 
 }  // namespace evermap

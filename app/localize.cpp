@@ -19,7 +19,7 @@
 namespace evermap {
 namespace {
 
-struct Options {
+struct LocalizeOptions {
   std::filesystem::path map;
   LocalizedScans scans;
   std::vector<double> initial_pose;  ///< x y z [m] qx qy qz qw; empty: the map's origin
@@ -35,7 +35,7 @@ struct Options {
   bool as_json = false;
 };
 
-Pose initial_pose_of(const Options& options) {
+Pose initial_pose_of(const LocalizeOptions& options) {
   const std::vector<double>& v = options.initial_pose;
   if (v.empty()) return {};
   const auto rotation = rotation_from_file(Eigen::Quaterniond(v[6], v[3], v[4], v[5]));
@@ -43,7 +43,7 @@ Pose initial_pose_of(const Options& options) {
   return {*rotation, {v[0], v[1], v[2]}};
 }
 
-void check(const Options& options) {
+void check(const LocalizeOptions& options) {
   check_writable(options.poses);
   if (!options.states.empty()) check_writable(options.states);
   if (options.maintain == options.map_out.empty()) {
@@ -53,7 +53,7 @@ void check(const Options& options) {
   if (options.maintain) check_writable(options.map_out);
 }
 
-void run(const Options& options) {
+void run_localize(const LocalizeOptions& options) {
   Parameters parameters = parameters_of(options.parameters);
   if (options.scans.rate) parameters.lidar.scan_period = 1 / *options.scans.rate;
   parameters.rollback.scans = options.rollback.value_or(parameters.rollback.scans);
@@ -92,7 +92,7 @@ void run(const Options& options) {
 
 void add_localize(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("localize", "Find the poses of scans in a map, and keep it up to date");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<LocalizeOptions>();
   verb->add_option("MAP.evm", options->map, "Map to localize in")->required();
   verb->add_option("SCANS", options->scans.scans, "Folder of .bin, .pcd or .ply files, or one of them")
       ->required();
@@ -135,7 +135,7 @@ void add_localize(CLI::App& app) {
   add_range_options(*verb, options->parameters);
   add_config_option(*verb, options->parameters);
   add_json_option(*verb, options->as_json);
-  verb->callback([options] { run(*options); });
+  verb->callback([options] { run_localize(*options); });
 }
 
 }  // namespace evermap

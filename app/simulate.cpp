@@ -31,7 +31,7 @@ namespace {
 constexpr std::string_view kMark = "# Written by evermap simulate";
 constexpr double kObservedReach = 0.1;  ///< [m] from a ray's end to the surface that it observed
 
-struct Options {
+struct SimulateOptions {
   std::string scenario;
   std::filesystem::path folder;
   std::optional<int> scans;
@@ -40,7 +40,7 @@ struct Options {
   double spacing = 0.1;  ///< [m]
 };
 
-Scenario scenario_of(const Options& options) {
+Scenario scenario_of(const SimulateOptions& options) {
   const std::vector<std::string> shipped = shipped_scenario_names();
   const bool is_shipped = std::find(shipped.begin(), shipped.end(), options.scenario) != shipped.end();
   const bool is_path = options.scenario.find_first_of("./") != std::string::npos;
@@ -52,7 +52,7 @@ Scenario scenario_of(const Options& options) {
 }
 
 /// The scans at whose ends the truth is wanted, in order.
-std::vector<std::size_t> truth_indices(const Options& options, const ScenarioDrive& drive) {
+std::vector<std::size_t> truth_indices(const SimulateOptions& options, const ScenarioDrive& drive) {
   std::vector<std::size_t> indices = options.truth;
   if (indices.empty()) indices.push_back(drive.size() - 1);
   std::sort(indices.begin(), indices.end());
@@ -99,7 +99,7 @@ void write_text(const std::filesystem::path& path, std::string_view text) {
   file.commit();
 }
 
-void prepare_folder(const Options& options, const ScenarioDrive& drive) {
+void prepare_folder(const SimulateOptions& options, const ScenarioDrive& drive) {
   try {
     std::filesystem::create_directories(options.folder);
     clear(options.folder);
@@ -185,7 +185,8 @@ std::vector<Points> write_scans(const std::filesystem::path& folder, const Scena
   return ends;
 }
 
-void write_drive(const Options& options, const ScenarioDrive& drive, const std::vector<std::size_t>& scans) {
+void write_drive(const SimulateOptions& options, const ScenarioDrive& drive,
+                 const std::vector<std::size_t>& scans) {
   constexpr std::size_t kSideBySide = 16;
   ObservedSurface surface(kObservedReach);
   std::vector<Truth> truths;
@@ -206,7 +207,7 @@ void write_drive(const Options& options, const ScenarioDrive& drive, const std::
   }
 }
 
-void run(const Options& options) {
+void run_simulate(const SimulateOptions& options) {
   const ScenarioDrive drive(scenario_of(options));
   const std::vector<std::size_t> truths = truth_indices(options, drive);
   check_folder(options.folder);
@@ -223,7 +224,7 @@ void run(const Options& options) {
 
 void add_simulate(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("simulate", "Simulate a drive through a world that changes");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SimulateOptions>();
   verb->add_option("SCENARIO", options->scenario,
                    fmt::format("File .yaml, or one of: {}", fmt::join(shipped_scenario_names(), " ")))
       ->required();
@@ -243,7 +244,7 @@ void add_simulate(CLI::App& app) {
       ->check(CLI::Range(0.01, 10.0))
       ->type_name("M")
       ->capture_default_str();
-  verb->callback([options] { run(*options); });
+  verb->callback([options] { run_simulate(*options); });
 }
 
 }  // namespace evermap

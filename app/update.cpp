@@ -16,7 +16,7 @@
 namespace evermap {
 namespace {
 
-struct Options {
+struct UpdateOptions {
   std::filesystem::path map;
   RunOptions run;
   std::filesystem::path output;
@@ -26,7 +26,7 @@ struct Options {
   bool as_json = false;
 };
 
-void prepare_outputs(const Options& options) {
+void prepare_outputs(const UpdateOptions& options) {
   check_writable(options.output);
   if (options.report.empty()) return;
   make_folder(options.report);
@@ -42,7 +42,7 @@ void write_report(const std::filesystem::path& folder, const ChangeReport& repor
   if (!report.run.was_interrupted()) write_pictures(folder, before, after, report.difference);
 }
 
-void run(const Options& options) {
+void run_update(const UpdateOptions& options) {
   const Parameters parameters = parameters_of(options.parameters);
   prepare_outputs(options);
   PosedScans scans(options.run.scans, options.run.poses, options.run.cloud);
@@ -63,7 +63,7 @@ void run(const Options& options) {
 
 void add_update(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("update", "Bring a map up to date with posed scans");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<UpdateOptions>();
   verb->add_option("MAP.evm", options->map, "Map to start from")->required();
   add_run_options(*verb, options->run);
   verb->add_option("-o,--output", options->output, "Map to write; may be the one to start from")
@@ -77,7 +77,7 @@ void add_update(CLI::App& app) {
       ->type_name("DIR");
   add_undo_log_option(*verb, options->undo_log);
   add_json_option(*verb, options->as_json);
-  verb->callback([options] { run(*options); });
+  verb->callback([options] { run_update(*options); });
 }
 
 }  // namespace evermap

@@ -31,12 +31,12 @@ class MotionFit : public ::testing::Test {
     const std::size_t count = raw.p_sensor.size();
     for (std::size_t i = 0; i < count; ++i) {
       const double fraction = static_cast<double>(i) / static_cast<double>(count);
-      raw.p_sensor[i] = motion.T_end_then(fraction, kPeriod).inverse() * scan_.p_sensor[i];
+      raw.p_sensor[i] = motion.pose_at(fraction, kPeriod).inverse() * scan_.p_sensor[i];
       raw.time_offset.push_back(static_cast<float>(fraction * kPeriod));
     }
     return raw;
   }
-  Pose begin(const ScanMotion& motion) const { return T_map_sensor_ * motion.T_end_then(0, kPeriod); }
+  Pose begin(const ScanMotion& motion) const { return T_map_sensor_ * motion.pose_at(0, kPeriod); }
   double turned_off(const Pose& found) const {
     return difference(T_map_sensor_, found).tail<3>().norm() / kDegree;
   }
@@ -47,7 +47,7 @@ class MotionFit : public ::testing::Test {
     const Scan scan = raw(motion);
     const MotionPrior prior{{begin(motion), within(0.01, 0.001)}, within(0.05, kDegree)};
     const ScanMotion steady = ScanMotion::steady(motion.before);
-    MovingPose found{steady, begin(motion) * steady.T_end_then(0, kPeriod).inverse()};
+    MovingPose found{steady, begin(motion) * steady.pose_at(0, kPeriod).inverse()};
     for (int i = 0; i < 4; ++i) {
       const Scan still = deskew(scan, found.motion, kPeriod);
       const auto better = fit_motion(map_, scan, still, found, prior, lidar_, parameters_);
@@ -60,8 +60,8 @@ class MotionFit : public ::testing::Test {
   const Octree map_ = test::survey_map(test::yard().scene(0), 0.4);
   const Pose T_map_sensor_ = test::yard().T_map_sensor(20);
   const Scan scan_ = Simulator(test::yard().scene(0)).scan(T_map_sensor_, test::small_lidar(), 1);
-  const LidarParameters lidar_;
-  const RegistrationParameters parameters_;
+  const LidarParameters lidar_{};
+  const RegistrationParameters parameters_{};
 };
 
 TEST_F(MotionFit, FindsWhereAScanEndsThatTurned) {

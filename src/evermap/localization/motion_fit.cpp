@@ -96,7 +96,7 @@ Deviation fit(const Parts& parts, double bend, const Twist& offset, const Motion
 }
 
 Pose end_of(const Pose& T_map_begin, const ScanMotion& motion, double duration) {
-  return T_map_begin * motion.T_end_then(0, duration).inverse();
+  return T_map_begin * motion.pose_at(0, duration).inverse();
 }
 
 }  // namespace
@@ -127,8 +127,7 @@ std::vector<MovingPose> fit_motion(const Octree& map, const Scan& raw, const Sca
   }
   const auto moved_by = [&](const Deviation& deviation) {
     const auto T_map_then = [&](double fraction) {
-      return perturb(assumed.T_map_sensor, deviation.at(fraction)) *
-             assumed.motion.T_end_then(fraction, period);
+      return perturb(assumed.T_map_sensor, deviation.at(fraction)) * assumed.motion.pose_at(fraction, period);
     };
     const auto velocity = [&](double from, double to) {
       return Twist(log(T_map_then(from).inverse() * T_map_then(to)) / ((to - from) * period));

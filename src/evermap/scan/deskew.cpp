@@ -6,7 +6,7 @@
 
 namespace evermap {
 
-Pose ScanMotion::T_end_then(double fraction, double duration) const {
+Pose ScanMotion::pose_at(double fraction, double duration) const {
   if (fraction >= bend) return exp((fraction - 1) * duration * after);
   return exp((bend - 1) * duration * after) * exp((fraction - bend) * duration * before);
 }
@@ -27,7 +27,7 @@ Scan deskew(const Scan& scan, const ScanMotion& motion, double duration) {
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (times[i] != moment) {
       moment = times[i];
-      T_end_then = motion.T_end_then(fraction_at(moment, duration), duration);
+      T_end_then = motion.pose_at(fraction_at(moment, duration), duration);
     }
     still.p_sensor[i] = T_end_then * scan.p_sensor[i];
   }

@@ -13,7 +13,7 @@ struct ScanMotion {
   static ScanMotion steady(const Twist& velocity) { return {velocity, velocity, 0}; }
 
   /// Where the sensor was when `fraction` of the scan was taken, seen from where it was at its end.
-  Pose T_end_then(double fraction, double duration) const;
+  Pose pose_at(double fraction, double duration) const;
 
   Twist before = Twist::Zero(), after = Twist::Zero();  ///< [m/s, rad/s] in the sensor's frame
   double bend = 0;                                      ///< fraction of the scan
