@@ -11,7 +11,7 @@ namespace evermap {
 namespace {
 
 /// Two trials in each kind of world; the first one or two scans of each only start. The aim is that no scan
-/// is believed and wrong (docs/results.md says what is reached over a thousand trials).
+/// is believed and wrong (docs/results.md says what is reached over more trials).
 TEST(Arena, ShortDrivesAreTrackedAndHardlyAScanIsConfidentlyWrong) {
   evermap::Setup setup;
   setup.is_quick = true;
