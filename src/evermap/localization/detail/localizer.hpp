@@ -24,13 +24,12 @@ struct Localization {
   double time = 0;                    ///< [s] when the scan ended
   std::optional<Pose> T_odom_sensor;  ///< what odometry said then
   Pose T_map_sensor_predicted;
-  Scan scan;  ///< deskewed, its points all as of `time`
-  Twist velocity =
-      Twist::Zero();             ///< [m/s, rad/s] in the sensor's frame, at its end, by which it was deskewed
-  bool is_deskewed = false;      ///< it had times
-  Twist motion = Twist::Zero();  ///< [m/s, rad/s] since the last fix, or in this scan where it told
-  bool motion_is_known = false;  ///< the prediction came from odometry or from a known velocity
-  bool odometry_jumps = false;   ///< and is therefore not followed
+  Scan scan;                       ///< deskewed, its points all as of `time`
+  Twist velocity = Twist::Zero();  ///< [m/s, rad/s] in the sensor's frame, by which its end was deskewed
+  bool is_deskewed = false;        ///< it had times
+  Twist motion = Twist::Zero();    ///< [m/s, rad/s] since the last fix, or in this scan where it told
+  bool motion_is_known = false;    ///< the prediction came from odometry or from a known velocity
+  bool odometry_jumps = false;     ///< and is therefore not followed
   std::optional<double> contradicting_fraction;  ///< of the scan's rays there, where they were counted
 
   bool passes() const { return reject_reason == RejectReason::kNone; }
