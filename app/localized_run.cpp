@@ -19,9 +19,10 @@ namespace evermap {
 namespace {
 
 /// When each scan ended, and where the odometry saw it.
-class Schedule {
+class ScanOdometry {
  public:
-  Schedule(const LocalizedScans& options, std::size_t scans, double scan_period) : rate_(1 / scan_period) {
+  ScanOdometry(const LocalizedScans& options, std::size_t scans, double scan_period)
+      : rate_(1 / scan_period) {
     if (options.odometry.empty()) return;
     poses_ = read_poses(options.odometry);
     if (poses_.size() == scans) return;
@@ -89,13 +90,13 @@ void add_odometry_options(CLI::App& verb, LocalizedScans& options) {
 
 LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& maintainer, double scan_period) {
   ScanSource scans(options.scans, options.cloud);
-  const Schedule schedule(options, scans.size(), scan_period);
+  const ScanOdometry odometry(options, scans.size(), scan_period);
   LocalizedRun result;
   result.run = run_over(scans.size(), options.threads, [&](const TakeScan& take) {
     const Scan scan = scans.next().value();
     const std::size_t index = result.scans.size();
-    const double time = schedule.time(index);
-    record(result, time, take([&] { return maintainer.process(scan, time, schedule.T_odom_sensor(index)); }));
+    const double time = odometry.time(index);
+    record(result, time, take([&] { return maintainer.process(scan, time, odometry.T_odom_sensor(index)); }));
   });
   if (!options.odometry.empty() && result.is_hardly_tracked()) {
     throw FileError(

@@ -192,6 +192,13 @@ void Localizer::consider_places(const Octree& map, const Scan& raw, const PoseEs
   if (was_measured) found.motion = found.velocity;
 }
 
+Hypothesis Localizer::moving(const Octree& map, const Scan& raw, const ScanMotion& motion,
+                             const PoseEstimate& guess) const {
+  Hypothesis place{{}, deskew(raw, motion, lidar_.scan_period), motion};
+  place.registration = register_near(map, place.scan, guess);
+  return place;
+}
+
 void Localizer::undistort_again(const Octree& map, const Scan& raw, const Matrix6& covariance,
                                 const Localization& found, Hypothesis& place) const {
   constexpr int kTries = 2;
@@ -202,8 +209,7 @@ void Localizer::undistort_again(const Octree& map, const Scan& raw, const Matrix
     const Twist moved = velocity_between_middles(T_map_sensor, place.motion.after, found);
     const Twist off = lidar_.scan_period * (moved - place.motion.after);
     if (off.head<3>().norm() < kTranslation && off.tail<3>().norm() < kRotation) return;
-    Hypothesis again{{}, undistorted(raw, moved), ScanMotion::steady(moved)};
-    again.registration = register_near(map, again.scan, {T_map_sensor * exp(off / 2), covariance});
+    Hypothesis again = moving(map, raw, ScanMotion::steady(moved), {T_map_sensor * exp(off / 2), covariance});
     if (again.score() <= place.score()) return;
     place = std::move(again);
   }
@@ -219,8 +225,7 @@ void Localizer::refit(const Octree& map, const Scan& raw, const Matrix6& covaria
     const auto better = fit_motion(map, raw, place.scan, {place.motion, place.registration.T_map_sensor},
                                    prior, lidar_, parameters_.registration);
     for (const MovingPose& moved : better) {
-      Hypothesis again{{}, deskew(raw, moved.motion, lidar_.scan_period), moved.motion};
-      again.registration = register_near(map, again.scan, {moved.T_map_sensor, covariance});
+      Hypothesis again = moving(map, raw, moved.motion, {moved.T_map_sensor, covariance});
       if (again.score() <= place.score()) continue;
       place = std::move(again);
       gains = true;
@@ -234,9 +239,8 @@ void Localizer::try_turns(const Octree& map, const Scan& raw, const Matrix6& cov
   const PoseEstimate begin = begin_of(found, map.grid().edge);
   const MovingPose guess = best_turn(map, raw, begin.T_map_sensor, velocity_.value_or(found.velocity), lidar_,
                                      parameters_.registration);
-  Hypothesis turned{{}, deskew(raw, guess.motion, lidar_.scan_period), guess.motion};
-  turned.registration =
-      register_near(map, turned.scan, {guess.T_map_sensor, covariance + within(0.1, 3 * kDegree)});
+  Hypothesis turned =
+      moving(map, raw, guess.motion, {guess.T_map_sensor, covariance + within(0.1, 3 * kDegree)});
   refit(map, raw, covariance, found, turned);
   if (turned.registration.converged() && turned.score() > place.score() + kBetter) place = std::move(turned);
 }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <functional>
 
 #include <evermap/scan/detail/deskew.hpp>
 
@@ -14,8 +15,8 @@ Pose ScanMotion::pose_at(double fraction, double duration) const {
 double fraction_at(float time_offset, double duration) { return std::min(time_offset / duration, 1.0); }
 
 bool has_times(const Scan& scan) {
-  const auto [first, last] = std::minmax_element(scan.time_offset.begin(), scan.time_offset.end());
-  return first != last && *first != *last;
+  const std::vector<float>& times = scan.time_offset;
+  return std::adjacent_find(times.begin(), times.end(), std::not_equal_to<>()) != times.end();
 }
 
 Scan deskew(const Scan& scan, const ScanMotion& motion, double duration) {

@@ -128,6 +128,9 @@ class Localizer {
   void take(Hypothesis&& place, Localization& found) const;
   /// Where the sensor was when a scan began. `edge` [m]: of the map's leaves. REQUIRES: there was a fix.
   PoseEstimate begin_of(const Localization& found, double edge) const;
+  /// Where the scan is if the sensor moved like this, from a guess of its pose.
+  Hypothesis moving(const Octree& map, const Scan& raw, const ScanMotion& motion,
+                    const PoseEstimate& guess) const;
   /// While its motion is not known: deskews by how it moved since the last fix, and registers once more.
   void undistort_again(const Octree& map, const Scan& raw, const Matrix6& covariance,
                        const Localization& found, Hypothesis& place) const;
