@@ -225,6 +225,30 @@ bool is_spared(VoxelKey key, const ReferenceLeaf& leaf, const std::vector<Bundle
          });
 }
 
+/// Whether the ray goes, within an edge of the leaf, through the plane in which it and the occupied ones
+/// around it lie together, if they do: fewer than 4, or such as fill their voxels, have none.
+bool goes_through_surroundings(const std::map<VoxelKey, ReferenceLeaf>& leaves, VoxelKey key, double edge,
+                               const Vector3d& o, const Vector3d& end) {
+  std::vector<ReferenceLeaf> around;
+  for (const auto& [near, leaf] : leaves) {
+    if (leaf.log_odds > 0 && (near.voxel() - key.voxel()).cwiseAbs().maxCoeff() <= 1) around.push_back(leaf);
+  }
+  if (around.size() < 4) return true;
+  const auto n = static_cast<double>(around.size());
+  Vector3d mean = Vector3d::Zero();
+  for (const ReferenceLeaf& leaf : around) mean += leaf.mean / n;
+  Matrix3d S = Matrix3d::Zero();
+  for (const ReferenceLeaf& leaf : around)
+    S += (leaf.covariance + (leaf.mean - mean) * (leaf.mean - mean).transpose()) / n;
+  const Eigensystem eigen(S);
+  if (eigen.eigenvalues()[0] >= 0.2 * eigen.eigenvalues()[1]) return true;
+  const Vector3d normal = eigen.eigenvectors().col(0);
+  const Vector3d& middle = leaves.at(key).mean;
+  const double side_o = normal.dot(o - middle), side_end = normal.dot(end - middle);
+  const Vector3d crossing = o + side_o / (side_o - side_end) * (end - o);
+  return (side_o < 0) != (side_end < 0) && (crossing - middle).norm() < edge;
+}
+
 /// Equation 6. Returns false when the outcome hangs on undetermined axes or on rounding.
 bool subtract_sigma_points(ReferenceLeaf& leaf, const Vector3d& o, const Bundle& bundle) {
   const double t = travel_time(leaf, o, bundle);
@@ -330,7 +354,15 @@ void ReferenceUpdate::update(const Scan& scan, const Pose& T_map_sensor, const P
   const double s0 = thickness(grid_, parameters);
   const double error = alignment_error(leaves, bundles);
   const double tolerance = parameters.update.surface_tolerance * error;
-  for (const auto& [key, contradictions] : gathered(leaves, bundles, grid_, o, error, parameters)) {
+  Evidence evidence = gathered(leaves, bundles, grid_, o, error, parameters);
+  for (auto& [key, contradictions] : evidence) {
+    const Eigensystem own(leaves.at(key).covariance);
+    const bool flat = own.eigenvalues()[0] < 0.2 * own.eigenvalues()[1];
+    if (flat || !parameters.update.surface_crossing) continue;
+    for (Contradiction& c : contradictions)
+      if (!goes_through_surroundings(leaves, key, grid_.edge, o, c.bundle->mean)) c.impact = 0;
+  }
+  for (const auto& [key, contradictions] : evidence) {
     ReferenceLeaf& leaf = leaves.at(key);
     const bool spared = is_spared(key, leaf, bundles, parameters.update.spare_reobserved, tolerance);
     for (const Contradiction& c : contradictions) {

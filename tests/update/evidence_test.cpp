@@ -150,5 +150,36 @@ TEST_F(TraceThroughAFace, NeighbouringHitsSpareAFaceWithinTheAlignmentError) {
   EXPECT_GT(contradicted[1], 0);
 }
 
+/// Rays to a wall 12 m ahead, whose ends are between these heights [m], and what they say against the map.
+double impact_of_rays_to_heights(const Octree& octree, double low, double high) {
+  Random random(6);
+  Scan wall;
+  for (int i = 0; i < 4000; ++i) {
+    const double y = random.uniform(-2, 2);
+    wall.p_sensor.emplace_back(12.25, y, random.uniform(low, high));
+  }
+  double sum = 0;
+  for (const LeafEvidence& leaf : trace(octree, seen(octree, wall), {}).leaves) sum += leaf.impact;
+  return sum;
+}
+
+/// Rays graze a slab's lower face in the very leaves that hold both of its faces.
+TEST(TraceBelowACeiling, RaysThatPassASlabSayNothingAgainstIt) {
+  for (const int points : {2, 40}) {  // a voxel; by themselves the first make no plane, either
+    Random random(5);
+    Octree octree(VoxelGrid{kEdge});
+    Scan slab;
+    for (int i = 0; i < 144 * points; ++i) {
+      const int voxel = i / points;
+      const double x = 3 + kEdge * (voxel % 12 + random.uniform(0.01, 0.99));
+      const double y = -3 + kEdge * (voxel / 12 + random.uniform(0.01, 0.99));
+      slab.p_sensor.emplace_back(x, y, i % 2 == 0 ? 2.1 : 2.3);
+    }
+    add(octree, condense(slab, {}, octree.grid(), {}), {});
+    EXPECT_EQ(impact_of_rays_to_heights(octree, 2.76, 2.84), 0);
+    EXPECT_GT(impact_of_rays_to_heights(octree, 3.6, 4.4), 5);
+  }
+}
+
 }  // namespace
 }  // namespace evermap

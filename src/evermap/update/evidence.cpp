@@ -75,13 +75,55 @@ bool fits(const Gaussian& leaf, const Plane& plane, const Gaussian& hit, double 
 }
 
 /// Whether the scan sees the leaf's surface in a neighbouring voxel.
-bool is_reobserved(const Octree& octree, VoxelKey key, const BundleGrid& bundles, double tolerance) {
-  const Gaussian leaf = octree.gaussian(key, *octree.find(key));
-  const Plane plane = plane_of(leaf);
+bool is_reobserved(VoxelKey key, const Gaussian& leaf, const Plane& plane, const BundleGrid& bundles,
+                   double tolerance) {
   return any_in_neighbourhood(key, [&](VoxelKey near) {
     const RayBundle* hit = bundles.find(near);
     return hit != nullptr && fits(leaf, plane, hit->points, tolerance);
   });
+}
+
+/// The plane in which a leaf and those around it lie together.
+Plane plane_around(const Octree& octree, VoxelKey key) {
+  constexpr int kLeast = 4;  // leaves; fewer lie in a plane anyhow
+  const Eigen::Vector3d middle = octree.grid().center(key);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  int count = 0;
+  for_each_in_neighbourhood(key, [&](VoxelKey near) {
+    const Leaf* leaf = octree.find(near);
+    if (leaf == nullptr || !leaf->occupied()) return;
+    const Gaussian surface = octree.gaussian(near, *leaf);
+    const Eigen::Vector3d p = surface.mean - middle;
+    sum += p;
+    squares += surface.covariance + p * p.transpose();
+    ++count;
+  });
+  if (count < kLeast) return {};
+  const Eigen::Vector3d mean = sum / count;
+  return plane_of({mean, squares / count - mean * mean.transpose(), static_cast<double>(count)});
+}
+
+/// Whether the ray goes through the plane within `reach` [m] of this point on it.
+bool goes_through(const Plane& plane, const Eigen::Vector3d& on_plane, double reach, const Ray& ray) {
+  const double origin_side = plane.normal.dot(ray.origin - on_plane);
+  const double end_side = plane.normal.dot(ray.end - on_plane);
+  if (origin_side * end_side >= 0) return false;
+  const double fraction = origin_side / (origin_side - end_side);
+  return (ray.origin + fraction * (ray.end - ray.origin) - on_plane).norm() < reach;
+}
+
+/// Few points, or both faces of a slab, make no plane by themselves: rays along a ceiling that pass them by
+/// would tear it. Such a leaf lies in the plane of its surroundings, if they have one, and contradictions by
+/// rays that do not go through that one at the leaf are taken back.
+void heed_surroundings(const Octree& octree, VoxelKey key, const Gaussian& leaf, const BundleGrid& bundles,
+                       std::span<Contradiction> contradictions) {
+  const Plane plane = plane_around(octree, key);
+  if (!plane.flat) return;
+  for (Contradiction& c : contradictions) {
+    const Ray ray{bundles.origin_map, bundles.bundles()[c.bundle].points.mean};
+    if (!goes_through(plane, leaf.mean, octree.grid().edge, ray)) c.impact = 0;
+  }
 }
 
 }  // namespace
@@ -118,7 +160,8 @@ double contradicting_fraction(const Evidence& evidence, const BundleGrid& bundle
   for (const LeafEvidence& against : evidence.leaves) {
     if (against.impact == 0) continue;
     for (std::uint32_t i = against.begin; i < against.end; ++i) {
-      contradicts[evidence.contradictions[i].bundle] = true;
+      const Contradiction& c = evidence.contradictions[i];
+      if (c.impact > 0) contradicts[c.bundle] = true;
     }
   }
   const auto count = std::count(contradicts.begin(), contradicts.end(), true);
@@ -138,11 +181,17 @@ Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdatePara
     begin = end;
   }
   for_each_index(evidence.leaves.size(), kGrain, [&](std::size_t i) {
-    LeafEvidence& leaf = evidence.leaves[i];
-    if (bundles.find(leaf.leaf) != nullptr) return;  // occupied wins
+    LeafEvidence& against = evidence.leaves[i];
+    if (bundles.find(against.leaf) != nullptr) return;  // occupied wins
+    const Gaussian leaf = octree.gaussian(against.leaf, *octree.find(against.leaf));
+    const Plane plane = plane_of(leaf);
     const double tolerance = parameters.surface_tolerance * error;
-    if (parameters.spare_reobserved && is_reobserved(octree, leaf.leaf, bundles, tolerance)) return;
-    leaf.impact = combine(std::span(all).subspan(leaf.begin, leaf.end - leaf.begin), parameters.combination);
+    if (parameters.spare_reobserved && is_reobserved(against.leaf, leaf, plane, bundles, tolerance)) return;
+    const auto contradictions =
+        std::span(evidence.contradictions).subspan(against.begin, against.end - against.begin);
+    if (parameters.surface_crossing && !plane.flat)
+      heed_surroundings(octree, against.leaf, leaf, bundles, contradictions);
+    against.impact = combine(contradictions, parameters.combination);
   });
   return evidence;
 }

@@ -19,4 +19,13 @@ bool any_in_neighbourhood(VoxelKey center, Predicate&& holds) {
   return false;
 }
 
+/// Calls f(key) for this voxel and for the 26 around it, as far as they have keys.
+template <class Function>
+void for_each_in_neighbourhood(VoxelKey center, Function&& f) {
+  any_in_neighbourhood(center, [&](VoxelKey near) {
+    f(near);
+    return false;
+  });
+}
+
 }  // namespace evermap

@@ -15,7 +15,7 @@ namespace evermap {
 struct Contradiction {
   VoxelKey leaf;
   std::uint32_t bundle;  ///< index into BundleGrid::bundles()
-  float impact;          ///< in (0, 1]
+  float impact;          ///< in [0, 1]; 0 when the leaf's surroundings tell that the ray passed it by
 };
 
 /// All that one scan says against one leaf.

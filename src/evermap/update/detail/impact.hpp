@@ -19,9 +19,9 @@ Approach closest_approach(const Ray& ray, const Gaussian& leaf);
 
 /// The plane a flat leaf lies in: its thinnest direction, when that is clearly thinner than the others.
 struct Plane {
-  Eigen::Vector3d normal;
-  double sigma;  ///< [m] thickness of the leaf along the normal
-  bool flat;     ///< whether the leaf has a plane at all
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  double sigma = 0;   ///< [m] thickness of the leaf along the normal
+  bool flat = false;  ///< whether the leaf has a plane at all
 
   /// Projects onto the plane.
   Eigen::Matrix3d within() const { return Eigen::Matrix3d::Identity() - normal * normal.transpose(); }
