@@ -1,7 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the evermap authors
 # SPDX-License-Identifier: BSD-3-Clause
 # evermap_precompile(TARGET library|program|test): parses Eigen and the standard library (and GoogleTest) once a kind
-# instead of once a file. It only saves time: the preset clang builds without, and there a missing include shows.
+# instead of once a file. Sources of programs and tests are also compiled several at a time, since the headers that they
+# share (CLI11, JSON) make most of the code of each. It only saves time: the preset clang builds without, and there a
+# missing include shows.
 # One precompiled header serves only targets of the same flags, which is why libraries (-fPIC) have their own.
 function(evermap_precompile target kind)
   set(headers <algorithm> <array> <cmath> <cstddef> <cstdint> <filesystem> <functional> <limits> <map> <memory> <numeric>
@@ -25,4 +27,7 @@ function(evermap_precompile target kind)
     target_precompile_headers(${precompiled} PRIVATE ${headers})
   endif()
   target_precompile_headers(${target} REUSE_FROM ${precompiled})
+  if(NOT kind STREQUAL "library" AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON)
+  endif()
 endfunction()

@@ -12,7 +12,7 @@ namespace evermap {
 namespace {
 
 /// Who drives what.
-struct Trial {
+struct LocalizationTrial {
   std::string name;   ///< of the unit
   std::string title;  ///< in tables
   std::uint64_t seed;
@@ -22,10 +22,10 @@ struct Trial {
   bool is_real;      ///< the real drive of experiment A in its outdated map, or the quarry
 };
 
-std::vector<Trial> trials_of(const Setup& setup) {
+std::vector<LocalizationTrial> trials_of(const Setup& setup) {
   if (setup.is_quick)
     return {{"localization_all", "quarry, one stretch", setup.seed, 24, false, true, false}};
-  std::vector<Trial> trials{
+  std::vector<LocalizationTrial> trials{
       {"localization_all", "quarry, one loop", setup.seed, 600, true, true, false},
       {"localization_given", "quarry, one loop, poses given", setup.seed, 600, false, false, false}};
   for (int i = 1; i < setup.seeds; ++i) {
@@ -40,7 +40,7 @@ std::vector<Trial> trials_of(const Setup& setup) {
   return trials;
 }
 
-std::unique_ptr<Dataset> dataset_of(const Setup& setup, const Trial& trial) {
+std::unique_ptr<Dataset> dataset_of(const Setup& setup, const LocalizationTrial& trial) {
   if (trial.is_real) {
     return std::make_unique<OutdatedDrive>(setup.data / kDrive, static_cast<std::size_t>(trial.scans));
   }
@@ -52,7 +52,7 @@ std::unique_ptr<Dataset> dataset_of(const Setup& setup, const Trial& trial) {
   return std::make_unique<ScenarioDataset>(choice, trial.seed);
 }
 
-Unit unit_of(const Setup& setup, double leaf, const Trial& trial) {
+Unit unit_of(const Setup& setup, double leaf, const LocalizationTrial& trial) {
   const auto compute = [=](const Progress& progress) {
     const std::unique_ptr<Dataset> dataset = dataset_of(setup, trial);
     Mappers mappers = trial.has_all ? usual_mappers(leaf, dataset->lidar)
@@ -77,7 +77,8 @@ Experiment experiment_localization(const Setup& setup) {
   Experiment experiment{"localization"};
   const std::string missing = why_left_out(setup, kDrive);
   if (!setup.is_quick && !missing.empty()) experiment.left_out.push_back(missing);
-  for (const Trial& trial : trials_of(setup)) experiment.units.push_back(unit_of(setup, leaf, trial));
+  for (const LocalizationTrial& trial : trials_of(setup))
+    experiment.units.push_back(unit_of(setup, leaf, trial));
   return experiment;
 }
 

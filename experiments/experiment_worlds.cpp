@@ -14,7 +14,7 @@ namespace evermap {
 namespace {
 
 /// A world that nobody tuned anything on, and how a map of it is kept.
-struct Trial {
+struct WorldTrial {
   std::uint64_t seed;
   std::string_view kind;
   RandomDrive drive;
@@ -24,9 +24,9 @@ struct Trial {
   double pose_noise;  ///< [m] and degrees for 10 cm
 };
 
-Trial trial_of(std::uint64_t seed) {
+WorldTrial world_trial_of(std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  Trial trial;
+  WorldTrial trial;
   trial.seed = seed;
   trial.kind = kWorldKinds[seed % kWorldKinds.size()];
   trial.drive.channels = one_of(random, {16, 32, 64, 128});
@@ -42,7 +42,7 @@ Trial trial_of(std::uint64_t seed) {
 }
 
 Unit unit_of(std::uint64_t seed) {
-  const Trial trial = trial_of(seed);
+  const WorldTrial trial = world_trial_of(seed);
   const auto compute = [trial](const Progress& progress) {
     Scenario scenario = parse_scenario(fmt::format("world {}", trial.seed),
                                        random_world(trial.kind, trial.seed, trial.drive));

@@ -16,8 +16,8 @@
 namespace evermap {
 namespace {
 
-constexpr double kReach = 40;      ///< [m] from the sensor: beyond, hits are too sparse to tell what moves
-constexpr double kSpacing = 0.05;  ///< [m]
+constexpr double kReach = 40;  ///< [m] from the sensor: beyond, hits are too sparse to tell what moves
+constexpr double kTruthSpacing = 0.05;  ///< [m]
 
 constexpr std::size_t kStretches = 3;
 using Stretches = std::array<Points, kStretches>;
@@ -33,7 +33,7 @@ Stretches stretches_of(const std::vector<AlignedScan>& scans) {
     const Points& points = scans[i].scan.p_sensor;
     stretches.at(stretch).insert(stretches.at(stretch).end(), points.begin(), points.end());
   }
-  for (Points& stretch : stretches) stretch = thinned(stretch, kSpacing);
+  for (Points& stretch : stretches) stretch = thinned(stretch, kTruthSpacing);
   return stretches;
 }
 
@@ -101,17 +101,17 @@ RedlightDataset::RedlightDataset(const std::filesystem::path& folder) {
     traffic.p_map.push_back(std::move(parts.moving));
     surface_.insert(surface_.end(), parts.still.begin(), parts.still.end());
   }
-  surface_ = thinned(surface_, kSpacing);
+  surface_ = thinned(surface_, kTruthSpacing);
   dynamic_objects_.push_back(std::move(traffic));
 }
 
 Truth RedlightDataset::truth(std::size_t) const {
-  const Points samples = thinned(surface_, 2 * kSpacing);
+  const Points samples = thinned(surface_, 2 * kTruthSpacing);
   return {samples, samples, [this](const Points& points) { return nearest_distances(points, surface_); }};
 }
 
 Changes RedlightDataset::changes(double leaf) const {
-  return {contradictable(thinned(surface_, 2 * kSpacing), VoxelGrid{.edge = leaf}, rays()), {}};
+  return {contradictable(thinned(surface_, 2 * kTruthSpacing), VoxelGrid{.edge = leaf}, rays()), {}};
 }
 
 }  // namespace evermap

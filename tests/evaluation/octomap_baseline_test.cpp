@@ -7,7 +7,7 @@
 namespace evermap {
 namespace {
 
-constexpr double kEdge = 0.2;
+constexpr double kVoxelEdge = 0.2;
 
 /// A wall across x, points in the middle of leaves.
 Points wall(double x) {
@@ -19,7 +19,7 @@ Points wall(double x) {
 }
 
 TEST(OctoMapBaseline, KnowsTheSurfaceItWasGiven) {
-  OctoMapBaseline map(kEdge);
+  OctoMapBaseline map(kVoxelEdge);
   EXPECT_FALSE(map.occupied({4.1, 0.1, 0.1}));
   map.insert_surface(wall(4.1));
   for (const auto& p : wall(4.1)) EXPECT_TRUE(map.occupied(p));
@@ -28,7 +28,7 @@ TEST(OctoMapBaseline, KnowsTheSurfaceItWasGiven) {
 }
 
 TEST(OctoMapBaseline, AScanMarksItsEndsAndNothingElse) {
-  OctoMapBaseline map(kEdge);
+  OctoMapBaseline map(kVoxelEdge);
   map.insert_scan({0.1, 0.1, 0.5}, wall(4.1), -1);
   for (const auto& p : wall(4.1)) EXPECT_TRUE(map.occupied(p));
   EXPECT_EQ(map.occupied_centers().size(), wall(4.1).size());
@@ -36,7 +36,7 @@ TEST(OctoMapBaseline, AScanMarksItsEndsAndNothingElse) {
 }
 
 TEST(OctoMapBaseline, ScansClearWhatTheySeeThrough) {
-  OctoMapBaseline map(kEdge);
+  OctoMapBaseline map(kVoxelEdge);
   map.insert_surface(wall(2.1));
   const Eigen::Vector3d seen_through(2.1, 0.1, 0.5);
   int scans = 0;
@@ -50,7 +50,7 @@ TEST(OctoMapBaseline, ScansClearWhatTheySeeThrough) {
 }
 
 TEST(OctoMapBaseline, RaysBeyondTheMaximumRangeMarkNothing) {
-  OctoMapBaseline map(kEdge);
+  OctoMapBaseline map(kVoxelEdge);
   map.insert_surface({{2.1, 0.1, 0.5}});
   for (int i = 0; i < 20; ++i) map.insert_scan({0.1, 0.1, 0.5}, {{4.1, 0.1, 0.5}}, 3);
   EXPECT_FALSE(map.occupied({2.1, 0.1, 0.5}));
@@ -58,7 +58,7 @@ TEST(OctoMapBaseline, RaysBeyondTheMaximumRangeMarkNothing) {
 }
 
 TEST(OctoMapBaseline, CentersStandForEveryLeafOfAPrunedCube) {
-  OctoMapBaseline map(kEdge);
+  OctoMapBaseline map(kVoxelEdge);
   Points cube;
   for (int i = 0; i < 64; ++i)
     cube.emplace_back(0.1 + 0.2 * (i % 4), 0.1 + 0.2 * (i / 4 % 4), 0.1 + 0.2 * (i / 16));
@@ -72,7 +72,7 @@ TEST(OctoMapBaseline, CentersStandForEveryLeafOfAPrunedCube) {
 }
 
 TEST(OctoMapBaseline, GrowsInMemoryAndNamesItsVersion) {
-  OctoMapBaseline map(kEdge);
+  OctoMapBaseline map(kVoxelEdge);
   const std::size_t empty = map.memory_bytes();
   map.insert_surface(wall(4.1));
   EXPECT_GT(map.memory_bytes(), empty);

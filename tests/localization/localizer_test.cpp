@@ -21,8 +21,8 @@
 namespace evermap {
 namespace {
 
-constexpr double kDegree = 0.017453292519943295;
-constexpr double kPeriod = 0.1;  // [s]
+using test::kDegree;
+using test::kPeriod;
 
 Twist twist(double x, double y, double z, double yaw) {
   Twist twist;

@@ -12,8 +12,8 @@
 namespace evermap {
 namespace {
 
-constexpr double kDegree = 0.017453292519943295;
-constexpr double kPeriod = 0.1;  // [s]
+using test::kDegree;
+using test::kPeriod;
 
 Twist forward(double speed, double turn) {
   Twist velocity = Twist::Zero();

@@ -20,7 +20,7 @@
 namespace evermap {
 namespace {
 
-constexpr double kDegree = 0.017453292519943295;
+using test::kDegree;
 
 /// The yard as it was surveyed, and scans of it as it is now.
 struct YardNow {

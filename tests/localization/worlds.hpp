@@ -11,6 +11,9 @@
 
 namespace evermap::test {
 
+inline constexpr double kDegree = 0.017453292519943295;  ///< [rad]
+inline constexpr double kPeriod = 0.1;                   ///< [s] of a scan
+
 /// The demo's world and drive.
 inline const ScenarioDrive& yard() {
   static const ScenarioDrive drive(shipped_scenario("yard"));

@@ -15,15 +15,15 @@ namespace {
 using test::Random;
 using Value = std::shared_ptr<int>;
 using Array = SharedArray<Value>;
-using Twin = std::vector<Value>;
+using Values = std::vector<Value>;
 
-Twin elements(const Array& array) { return {array.data(), array.data() + array.size()}; }
+Values elements(const Array& array) { return {array.data(), array.data() + array.size()}; }
 
 /// Arrays that are copied from one another and changed at random, each beside a vector that shares nothing.
 TEST(SharedArray, CopiesBehaveLikeVectorsOfTheirOwn) {
   Random random(1);
   std::vector<Array> arrays(5);
-  std::vector<Twin> twins(5);
+  std::vector<Values> twins(5);
   std::size_t longest = 0;
   for (int i = 0; i < 30000; ++i) {
     const auto a = static_cast<std::size_t>(random.integer(0, 4));
@@ -72,15 +72,15 @@ TEST(SharedArray, CopiesBehaveLikeVectorsOfTheirOwn) {
 TEST(SharedArray, ACopyTakesNoMemoryUntilItIsChanged) {
   const Value a = std::make_shared<int>(1);
   const Value b = std::make_shared<int>(2);
-  Array array(Twin{a, b});
+  Array array(Values{a, b});
   EXPECT_EQ(a.use_count(), 2);
   Array copy = array;
   EXPECT_EQ(copy.data(), array.data());
   EXPECT_EQ(a.use_count(), 2);
   copy.own(1) = nullptr;
   EXPECT_NE(copy.data(), array.data());
-  EXPECT_EQ(elements(array), (Twin{a, b}));
-  EXPECT_EQ(elements(copy), (Twin{a, nullptr}));
+  EXPECT_EQ(elements(array), (Values{a, b}));
+  EXPECT_EQ(elements(copy), (Values{a, nullptr}));
   const Value* before = copy.data();
   copy.own(1) = b;  // its own already
   EXPECT_EQ(copy.data(), before);

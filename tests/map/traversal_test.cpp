@@ -60,16 +60,16 @@ void expect_equal(const Octree& octree, const Ray& ray) {
       << ray.end.transpose();
 }
 
-struct Place {
+struct GridPlace {
   double edge;        ///< [m]
   Vector3d position;  ///< [m]
 };
 
-void PrintTo(const Place& place, std::ostream* out) {
+void PrintTo(const GridPlace& place, std::ostream* out) {
   *out << "edge " << place.edge << " m at " << place.position.transpose();
 }
 
-class TraversalAt : public ::testing::TestWithParam<Place> {};
+class TraversalAt : public ::testing::TestWithParam<GridPlace> {};
 
 TEST_P(TraversalAt, EqualsTheNaiveWalk) {
   const auto [edge, position] = GetParam();
@@ -92,13 +92,12 @@ TEST_P(TraversalAt, EqualsTheNaiveWalk) {
   EXPECT_GT(visits, 15000U);  // one leaf a ray: the comparison is not of nothing with nothing
 }
 
-INSTANTIATE_TEST_SUITE_P(Places, TraversalAt,
-                         ::testing::Values(Place{0.25, Vector3d::Zero()}, Place{0.2, Vector3d::Zero()},
-                                           Place{0.25, Vector3d(-100, -200, -50)},
-                                           Place{0.1, Vector3d(3, -7, 1)},
-                                           Place{0.25, Vector3d(1e6, -1e6, 100)},
-                                           Place{0.2, Vector3d(1e6, 1e6, 0)},
-                                           Place{0.4, Vector3d(5e6, -4e5, 300)}, Place{1, Vector3d::Zero()}));
+INSTANTIATE_TEST_SUITE_P(
+    Places, TraversalAt,
+    ::testing::Values(GridPlace{0.25, Vector3d::Zero()}, GridPlace{0.2, Vector3d::Zero()},
+                      GridPlace{0.25, Vector3d(-100, -200, -50)}, GridPlace{0.1, Vector3d(3, -7, 1)},
+                      GridPlace{0.25, Vector3d(1e6, -1e6, 100)}, GridPlace{0.2, Vector3d(1e6, 1e6, 0)},
+                      GridPlace{0.4, Vector3d(5e6, -4e5, 300)}, GridPlace{1, Vector3d::Zero()}));
 
 TEST(Traversal, VeryLongRays) {
   Random random(3);

@@ -16,9 +16,9 @@ namespace {
 
 using test::Random;
 using Node = WideNode<std::string>;
-using Twin = std::map<int, std::string>;
+using NodeTwin = std::map<int, std::string>;
 
-void expect_equal(const Node& node, const Twin& twin) {
+void expect_equal(const Node& node, const NodeTwin& twin) {
   EXPECT_EQ(node.size(), twin.size());
   EXPECT_EQ(node.empty(), twin.empty());
   EXPECT_GE(node.capacity(), node.size());
@@ -39,7 +39,7 @@ void expect_equal(const Node& node, const Twin& twin) {
 TEST(WideNode, BehavesLikeAMap) {
   Random random(1);
   Node node;
-  Twin twin;
+  NodeTwin twin;
   std::size_t fullest = 0;
   for (int i = 0; i < 20000; ++i) {
     const double share_of_insertions = i / 2500 % 2 == 0 ? 0.8 : 0.2;
@@ -61,7 +61,7 @@ TEST(WideNode, BehavesLikeAMap) {
 
 TEST(WideNode, HoldsAllChildrenInAnyOrderOfInsertion) {
   Node node;
-  Twin twin;
+  NodeTwin twin;
   for (int i = 0; i < Node::kChildren; ++i) {
     const int index = i * 149 % Node::kChildren;
     node.find_or_insert(index) = twin[index] = std::to_string(index);
@@ -73,7 +73,7 @@ TEST(WideNode, HoldsAllChildrenInAnyOrderOfInsertion) {
 
 TEST(WideNode, BordersOfWords) {
   Node node;
-  Twin twin;
+  NodeTwin twin;
   for (const int index : {511, 0, 63, 64, 127, 128, 448, 447}) {
     EXPECT_EQ(node.find(index), nullptr);
     node.find_or_insert(index) = twin[index] = std::to_string(index);

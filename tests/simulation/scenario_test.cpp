@@ -12,7 +12,7 @@ namespace evermap {
 namespace {
 
 // Six lines, so that what a test appends begins at line 7.
-const std::string kWorld =
+const std::string kEmptyWorld =
     "scans: 3\n"
     "ground: {area: [-20, -20, 20, 20], features: [{slope: [0.1, 0]}]}\n"
     "robot:\n"
@@ -23,7 +23,7 @@ const std::string kWorld =
 class ScenarioTest : public FileTest {
  protected:
   Scenario read(const std::string& text) const { return read_scenario(make("world.yaml", text)); }
-  Scenario with(const std::string& objects) const { return read(kWorld + objects); }
+  Scenario with(const std::string& objects) const { return read(kEmptyWorld + objects); }
 
   void expect_refused(const std::string& text, int line, const std::string& message) const {
     const std::filesystem::path file = make("world.yaml", text);
@@ -38,12 +38,12 @@ class ScenarioTest : public FileTest {
     }
   }
   void expect_object_refused(const std::string& object, const std::string& message) const {
-    expect_refused(kWorld + object + "\n", 7, message);
+    expect_refused(kEmptyWorld + object + "\n", 7, message);
   }
 };
 
 TEST_F(ScenarioTest, LeavesTheLidarAtItsDefaults) {
-  const Scenario scenario = read(kWorld);
+  const Scenario scenario = read(kEmptyWorld);
   EXPECT_EQ(scenario.lidar.channels, 64);
   EXPECT_EQ(scenario.lidar.columns, 1024);
   EXPECT_EQ(scenario.lidar.rate, 10);
@@ -59,7 +59,7 @@ TEST_F(ScenarioTest, ReadsTheLidar) {
   const Scenario scenario = read(
       "lidar: {channels: 8, columns: 90, elevation: [-10, 5], rate: 5, min_range: 1, max_range: 50,"
       " range_sigma: 0, dropout_range: 100, motion_distortion: true}\nseed: 18446744073709551\n" +
-      kWorld);
+      kEmptyWorld);
   EXPECT_EQ(scenario.lidar.beams(), 720);
   EXPECT_NEAR(scenario.lidar.elevation_min, -10 * std::numbers::pi / 180, 1e-12);
   EXPECT_NEAR(scenario.lidar.elevation_max, 5 * std::numbers::pi / 180, 1e-12);
@@ -125,7 +125,7 @@ TEST_F(ScenarioTest, ABoxStandsInTheGroundUnlessLifted) {
 
 TEST_F(ScenarioTest, BodiesOfTheTextJoinTheBuiltInOnes) {
   const Scenario scenario =
-      read("bodies:\n  cube: [{size: [1, 1, 1], at: [0, 0, 2]}]\n" + kWorld +
+      read("bodies:\n  cube: [{size: [1, 1, 1], at: [0, 0, 2]}]\n" + kEmptyWorld +
            "- {name: cube, body: cube, at: [5, 5]}\n"
            "- {name: truck, body: truck, at: [5, 9]}\n"
            "- {name: table, body: [{size: [1, 1, 0.1], at: [0, 0, 1]}], at: [5, -9]}\n");
@@ -173,8 +173,8 @@ TEST_F(ScenarioTest, RefusesWhatIsNoScenario) {
 }
 
 TEST_F(ScenarioTest, RefusesUnknownKeysEverywhere) {
-  expect_refused("sand: 1\n" + kWorld, 1, "unknown key 'sand'");
-  expect_refused("lidar: {beams: 1}\n" + kWorld, 1, "unknown key 'beams'");
+  expect_refused("sand: 1\n" + kEmptyWorld, 1, "unknown key 'sand'");
+  expect_refused("lidar: {beams: 1}\n" + kEmptyWorld, 1, "unknown key 'beams'");
   expect_refused(
       "scans: 1\nground:\n  area: [0, 0, 1, 1]\n  colour: red\nrobot: {sensor_height: 1, at: [0, 0]}\n", 4,
       "unknown key 'colour'");
@@ -189,13 +189,13 @@ TEST_F(ScenarioTest, RefusesUnknownKeysEverywhere) {
 }
 
 TEST_F(ScenarioTest, RefusesImpossibleNumbers) {
-  expect_refused("lidar: {channels: 0}\n" + kWorld, 1, "channels needs a whole number");
-  expect_refused("lidar: {columns: 1.5}\n" + kWorld, 1, "columns needs a whole number");
-  expect_refused("lidar: {elevation: [20, -20]}\n" + kWorld, 1, "elevation");
-  expect_refused("lidar: {range_sigma: .nan}\n" + kWorld, 1, "not '.nan'");
-  expect_refused("lidar: {max_range: .inf}\n" + kWorld, 1, "not '.inf'");
-  expect_refused("lidar: {motion_distortion: 2}\n" + kWorld, 1, "true or false");
-  expect_refused("seed: -1\n" + kWorld, 1, "seed");
+  expect_refused("lidar: {channels: 0}\n" + kEmptyWorld, 1, "channels needs a whole number");
+  expect_refused("lidar: {columns: 1.5}\n" + kEmptyWorld, 1, "columns needs a whole number");
+  expect_refused("lidar: {elevation: [20, -20]}\n" + kEmptyWorld, 1, "elevation");
+  expect_refused("lidar: {range_sigma: .nan}\n" + kEmptyWorld, 1, "not '.nan'");
+  expect_refused("lidar: {max_range: .inf}\n" + kEmptyWorld, 1, "not '.inf'");
+  expect_refused("lidar: {motion_distortion: 2}\n" + kEmptyWorld, 1, "true or false");
+  expect_refused("seed: -1\n" + kEmptyWorld, 1, "seed");
   expect_refused("scans: 0\n", 1, "scans needs a whole number");
   expect_refused("scans: 1\nground: {area: [0, 0, 0, 5]}\n", 2, "area");
   expect_refused("scans: 1\nground: {area: [0, 0, 9000, 9000]}\n", 2, "too many squares");
@@ -224,7 +224,7 @@ TEST_F(ScenarioTest, RefusesImpossibleObjects) {
   expect_object_refused("- {name: a, pile: {height: 1}, route: {speed: 1, waypoints: [[1, 1], [2, 2]]}}",
                         "has no route");
   expect_refused(
-      kWorld + "- {name: a, box: [1, 1, 1], at: [5, 5]}\n- {name: a, box: [1, 1, 1], at: [9, 5]}\n", 8,
+      kEmptyWorld + "- {name: a, box: [1, 1, 1], at: [5, 5]}\n- {name: a, box: [1, 1, 1], at: [9, 5]}\n", 8,
       "an object a already, at line 7");
   expect_refused(
       "scans: 1\nground: {area: [0, 0, 9, 9]}\nrobot: {sensor_height: 1, route: {speed: 1, end: vanish,"

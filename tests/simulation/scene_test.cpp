@@ -18,8 +18,8 @@ constexpr int kHeapId = 2;
 
 const Eigen::AlignedBox2d kArea(Eigen::Vector2d(-5, -5), Eigen::Vector2d(5, 5));
 
-double flat(double, double) { return 0; }
-double slope(double x, double y) { return 0.1 * x - 0.05 * y; }
+double level(double, double) { return 0; }
+double tilted(double x, double y) { return 0.1 * x - 0.05 * y; }
 
 Pose at(double x, double y, double z, double yaw = 0) {
   return {Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix(), Eigen::Vector3d(x, y, z)};
@@ -48,8 +48,8 @@ TEST(Scene, BoxFacesPointOutwards) {
 
 TEST(Scene, GroundAndHeapFaceUp) {
   Scene scene;
-  add_ground(scene, kGround, kArea, 0.7, slope);
-  add_heap(scene, kHeapId, {{1, 1}, 2, 1.5}, slope);
+  add_ground(scene, kGround, kArea, 0.7, tilted);
+  add_heap(scene, kHeapId, {{1, 1}, 2, 1.5}, tilted);
   for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
     EXPECT_GT(scene.triangle(i).scaled_normal().z(), 0);
   }
@@ -57,11 +57,11 @@ TEST(Scene, GroundAndHeapFaceUp) {
 
 TEST(Scene, HeapHasItsHeightAndRadius) {
   Scene scene;
-  add_heap(scene, kHeapId, {{1, 2}, 3, 1.2}, slope);
+  add_heap(scene, kHeapId, {{1, 2}, 3, 1.2}, tilted);
   double rise = 0;
   double radius = 0;
   for (const auto& p : scene.vertices) {
-    rise = std::max(rise, p.z() - slope(p.x(), p.y()));
+    rise = std::max(rise, p.z() - tilted(p.x(), p.y()));
     radius = std::max(radius, (p.head<2>() - Eigen::Vector2d(1, 2)).norm());
   }
   EXPECT_NEAR(rise, 1.2, 1e-12);
@@ -71,10 +71,10 @@ TEST(Scene, HeapHasItsHeightAndRadius) {
 TEST(Scene, PileIsAsSteepAsItsReposeAndAsHighAsSaid) {
   constexpr double kRepose = 35 * std::numbers::pi / 180;
   Scene scene;
-  add_pile(scene, kHeapId, {{1, 2}, 4, kRepose}, slope);
+  add_pile(scene, kHeapId, {{1, 2}, 4, kRepose}, tilted);
   double top = 0;
   for (const auto& p : scene.vertices) top = std::max(top, p.z());
-  EXPECT_NEAR(top, 4 + slope(1, 2), 1e-9);
+  EXPECT_NEAR(top, 4 + tilted(1, 2), 1e-9);
   int on_flank = 0;
   for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
     const Triangle3 t = scene.triangle(i);
@@ -88,13 +88,13 @@ TEST(Scene, PileIsAsSteepAsItsReposeAndAsHighAsSaid) {
 
 TEST(Scene, PileReachesBelowTheGroundAllAround) {
   Scene scene;
-  add_pile(scene, kHeapId, {{1, 2}, 2, 0.6, 0.05}, slope);
+  add_pile(scene, kHeapId, {{1, 2}, 2, 0.6, 0.05}, tilted);
   double radius = 0;
   for (const auto& p : scene.vertices)
     radius = std::max(radius, (p.head<2>() - Eigen::Vector2d(1, 2)).norm());
   for (const auto& p : scene.vertices) {
     if ((p.head<2>() - Eigen::Vector2d(1, 2)).norm() > radius - 1e-6) {
-      EXPECT_LT(p.z(), slope(p.x(), p.y()));
+      EXPECT_LT(p.z(), tilted(p.x(), p.y()));
     }
   }
 }
@@ -102,7 +102,7 @@ TEST(Scene, PileReachesBelowTheGroundAllAround) {
 TEST(Scene, PileIsRoughWithinItsBounds) {
   const auto heights = [](double roughness) {
     Scene scene;
-    add_pile(scene, kHeapId, {{1, 2}, 3, 0.6, roughness}, flat);
+    add_pile(scene, kHeapId, {{1, 2}, 3, 0.6, roughness}, level);
     return scene.vertices;
   };
   const auto smooth = heights(0);
@@ -149,7 +149,7 @@ TEST(SampleSurface, LeavesNoGapsOnLongFaces) {
 
 TEST(SampleSurface, LiesOnTheSurfaces) {
   Scene scene;
-  add_ground(scene, kGround, kArea, 0.5, slope);
+  add_ground(scene, kGround, kArea, 0.5, tilted);
   add_box(scene, kBox, at(1, 1, 0.5, 0.4), {2, 2, 2});
   const SurfaceIndex index(scene);
   const auto samples = sample_surface(scene, 0.1);
@@ -157,14 +157,14 @@ TEST(SampleSurface, LiesOnTheSurfaces) {
   for (const auto& [p, object] : samples) {
     EXPECT_LT(index.distance(p, 0.1), 1e-9);
     if (object == kGround) {
-      EXPECT_NEAR(p.z(), slope(p.x(), p.y()), 1e-9);
+      EXPECT_NEAR(p.z(), tilted(p.x(), p.y()), 1e-9);
     }
   }
 }
 
 TEST(SampleSurface, LeavesOutWhatABoxOnFlatGroundHides) {
   Scene scene;
-  add_ground(scene, kGround, kArea, 0.5, flat);
+  add_ground(scene, kGround, kArea, 0.5, level);
   add_box(scene, kBox, at(0, 0, 0.5), {2, 2, 1});  // its bottom touches the ground
   const auto count = count_by_object(sample_surface(scene, 0.1));
   EXPECT_NEAR(count.at(kGround), (100 - 4) * 100, 100);
@@ -173,8 +173,8 @@ TEST(SampleSurface, LeavesOutWhatABoxOnFlatGroundHides) {
 
 TEST(SampleSurface, LeavesOutGroundUnderAHeapAndKeepsTheHeap) {
   Scene scene;
-  add_ground(scene, kGround, kArea, 0.5, slope);
-  add_heap(scene, kHeapId, {{0, 0}, 3, 1}, slope);
+  add_ground(scene, kGround, kArea, 0.5, tilted);
+  add_heap(scene, kHeapId, {{0, 0}, 3, 1}, tilted);
   int heap = 0;
   for (const auto& [p, object] : sample_surface(scene, 0.1)) {
     const double r = p.head<2>().norm();
@@ -188,7 +188,7 @@ TEST(SampleSurface, LeavesOutGroundUnderAHeapAndKeepsTheHeap) {
 
 TEST(SampleSurface, KeepsGroundUnderAFloatingBox) {
   Scene scene;
-  add_ground(scene, kGround, kArea, 0.5, flat);
+  add_ground(scene, kGround, kArea, 0.5, level);
   add_box(scene, kBox, at(0, 0, 2), {2, 2, 1});
   const auto count = count_by_object(sample_surface(scene, 0.1));
   EXPECT_NEAR(count.at(kGround), 10000, 1);
@@ -197,7 +197,7 @@ TEST(SampleSurface, KeepsGroundUnderAFloatingBox) {
 
 TEST(SampleSurface, IsTheSameEveryTime) {
   Scene scene;
-  add_ground(scene, kGround, kArea, 0.5, slope);
+  add_ground(scene, kGround, kArea, 0.5, tilted);
   const auto one = sample_surface(scene, 0.1);
   const auto two = sample_surface(scene, 0.1);
   ASSERT_EQ(one.size(), two.size());

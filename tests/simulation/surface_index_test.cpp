@@ -11,7 +11,7 @@
 namespace evermap {
 namespace {
 
-constexpr int kGround = 0;
+constexpr int kSurface = 0;
 
 double hills(double x, double y) { return 0.3 * std::sin(x) * std::cos(0.7 * y); }
 
@@ -24,7 +24,7 @@ struct World {
   World() {
     T_map_box.rotation = Eigen::AngleAxisd(0.5, Eigen::Vector3d(0.2, 0.1, 1).normalized()).toRotationMatrix();
     T_map_box.translation = {1, -1, 0.4};
-    add_ground(scene, kGround, {Eigen::Vector2d(-6, -6), Eigen::Vector2d(6, 6)}, 0.25, hills);
+    add_ground(scene, kSurface, {Eigen::Vector2d(-6, -6), Eigen::Vector2d(6, 6)}, 0.25, hills);
     add_box(scene, 1, T_map_box, box_size);
     add_heap(scene, 2, {{-2.5, 2}, 2, 1}, hills);
   }

@@ -220,7 +220,7 @@ TEST(PaperImpact, IsEquation5WhereTheBundleResemblesTheLeafMost) {
   EXPECT_GT(std::min({seen[0], seen[1], seen[2]}), 100);
 }
 
-const Vector3d kCenter(10, -20, 3);
+const Vector3d kVoxelCenter(10, -20, 3);
 
 std::vector<Vector3d> sigma_points(const Gaussian& leaf) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(leaf.covariance);
@@ -238,8 +238,8 @@ TEST(SigmaPointDifference, EqualsAnIndependentRefit) {
   Random random(6);
   int refitted = 0, unchanged = 0, none = 0;
   for (int i = 0; i < 20000; ++i) {
-    const Gaussian leaf{kCenter, random.covariance(0.01, 0.15), random.uniform(1, 100)};
-    const Gaussian bundle{kCenter + random.in_cube(0.2), random.covariance(0.005, 0.15), 5};
+    const Gaussian leaf{kVoxelCenter, random.covariance(0.01, 0.15), random.uniform(1, 100)};
+    const Gaussian bundle{kVoxelCenter + random.in_cube(0.2), random.covariance(0.005, 0.15), 5};
     std::vector<Vector3d> kept;
     for (const Vector3d& p : sigma_points(leaf)) {
       const Vector3d apart = p - bundle.mean;
@@ -251,11 +251,11 @@ TEST(SigmaPointDifference, EqualsAnIndependentRefit) {
     if (!found) continue;
     const auto k = static_cast<double>(kept.size());
     Vector3d mean = Vector3d::Zero();
-    for (const Vector3d& p : kept) mean += (p - kCenter) / k;
+    for (const Vector3d& p : kept) mean += (p - kVoxelCenter) / k;
     Matrix3d S = Matrix3d::Zero();
-    for (const Vector3d& p : kept) S += (p - kCenter - mean) * (p - kCenter - mean).transpose() / k;
+    for (const Vector3d& p : kept) S += (p - kVoxelCenter - mean) * (p - kVoxelCenter - mean).transpose() / k;
     S *= 7 / (2 * 7.814727903251179);  // so that all seven points give the leaf's own covariance
-    EXPECT_LE((found->mean - kCenter - mean).norm(), 1e-13);
+    EXPECT_LE((found->mean - kVoxelCenter - mean).norm(), 1e-13);
     EXPECT_LE((found->covariance - S).norm(), 1e-12 * leaf.covariance.trace());
     EXPECT_NEAR(found->count, leaf.count * k / 7, 1e-12 * leaf.count);
   }
@@ -265,9 +265,9 @@ TEST(SigmaPointDifference, EqualsAnIndependentRefit) {
 }
 
 TEST(SigmaPointDifference, NothingInsideChangesNothing) {
-  const Gaussian leaf{kCenter, Random(7).covariance({0.1, 0.05, 0.02}), 33};
+  const Gaussian leaf{kVoxelCenter, Random(7).covariance({0.1, 0.05, 0.02}), 33};
   const auto found =
-      sigma_point_difference(leaf, {kCenter + Vector3d(1, 0, 0), 1e-4 * Matrix3d::Identity(), 5});
+      sigma_point_difference(leaf, {kVoxelCenter + Vector3d(1, 0, 0), 1e-4 * Matrix3d::Identity(), 5});
   ASSERT_TRUE(found);
   EXPECT_EQ(found->mean, leaf.mean);
   EXPECT_EQ(found->covariance, leaf.covariance);
@@ -275,9 +275,9 @@ TEST(SigmaPointDifference, NothingInsideChangesNothing) {
 }
 
 TEST(SigmaPointDifference, AllInsideLeavesNothing) {
-  const Gaussian leaf{kCenter, Random(8).covariance({0.1, 0.05, 0.02}), 33};
-  EXPECT_FALSE(sigma_point_difference(leaf, {kCenter, 0.0101 * Matrix3d::Identity(), 5}));
-  EXPECT_TRUE(sigma_point_difference(leaf, {kCenter, 0.0099 * Matrix3d::Identity(), 5}));
+  const Gaussian leaf{kVoxelCenter, Random(8).covariance({0.1, 0.05, 0.02}), 33};
+  EXPECT_FALSE(sigma_point_difference(leaf, {kVoxelCenter, 0.0101 * Matrix3d::Identity(), 5}));
+  EXPECT_TRUE(sigma_point_difference(leaf, {kVoxelCenter, 0.0099 * Matrix3d::Identity(), 5}));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <evermap/evaluation/map_claims.hpp>
+#include <evermap/update/detail/impact.hpp>
 
 namespace evermap {
 namespace {
@@ -10,7 +11,8 @@ const Leaf* leaf_around(const Octree& octree, const Eigen::Vector3d& p_map, doub
   const auto key = octree.grid().key(p_map);
   const Leaf* leaf = key ? octree.find(*key) : nullptr;
   if (leaf == nullptr) return nullptr;
-  Gaussian surface = octree.gaussian(*key, *leaf);
+  const Gaussian known = octree.gaussian(*key, *leaf);
+  Gaussian surface = predictive(known, plane_of(known), octree.grid().edge, UpdateParameters{}.extent_prior);
   surface.covariance += position_sigma * position_sigma * Eigen::Matrix3d::Identity();
   return mahalanobis_squared(p_map, surface) <= kChiSquared99 ? leaf : nullptr;
 }

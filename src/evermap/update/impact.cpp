@@ -34,6 +34,13 @@ Plane plane_of(const Gaussian& leaf) {
           variance[0] < kFlat * variance[1]};
 }
 
+Gaussian predictive(const Gaussian& leaf, const Plane& plane, double edge, double extent_prior) {
+  const double anywhere = edge * edge / 12;
+  const double unseen = anywhere * extent_prior / (leaf.count + extent_prior);
+  const Eigen::Matrix3d directions = plane.flat ? plane.within() : Eigen::Matrix3d::Identity();
+  return {leaf.mean, leaf.covariance + unseen * directions, leaf.count};
+}
+
 namespace {
 
 /// Whether a surface that is off by `error` [m] may stand here although it is what the ray hit: the more a
@@ -51,16 +58,6 @@ bool crosses(const Plane& plane, const Eigen::Vector3d& on_plane, const Ray& ray
          std::abs(end_side) > 3 * plane.sigma + parameters.surface_tolerance * error;
 }
 
-/// Variance [m^2] of where else in a voxel of this edge [m] a leaf's surface may be: few points do not tell.
-double unseen_variance(const Gaussian& leaf, double edge, const UpdateParameters& parameters) {
-  const double anywhere = edge * edge / 12;
-  return anywhere * parameters.extent_prior / (leaf.count + parameters.extent_prior);
-}
-
-Gaussian widened(const Gaussian& leaf, const Eigen::Matrix3d& unseen) {
-  return {leaf.mean, leaf.covariance + unseen, leaf.count};
-}
-
 /// How likely the surface is where a ray comes closest, relative to the middle of it.
 double likelihood_of(const Approach& approach, double plateau) {
   return std::exp(-0.5 * std::max(0.0, approach.mahalanobis_squared - plateau));
@@ -69,13 +66,11 @@ double likelihood_of(const Approach& approach, double plateau) {
 double default_impact(const Gaussian& leaf, double edge, const Ray& ray, double free_fraction, double error,
                       const UpdateParameters& parameters) {
   const double patch = parameters.patch_radius * parameters.patch_radius;
-  const double unseen = unseen_variance(leaf, edge, parameters);
-  Approach approach = closest_approach(ray, widened(leaf, unseen * Eigen::Matrix3d::Identity()));
+  Approach approach = closest_approach(ray, predictive(leaf, {}, edge, parameters.extent_prior));
   // A bound for all leaves, and exp(-x) <= 1 / (1 + x), turn most rays away before anything dear is computed.
   if (parameters.least_impact * (1 + 0.5 * (approach.mahalanobis_squared - patch)) > 1) return 0;
   const Plane plane = plane_of(leaf);
-  // Where a flat leaf lies across its plane is known.
-  if (plane.flat) approach = closest_approach(ray, widened(leaf, unseen * plane.within()));
+  if (plane.flat) approach = closest_approach(ray, predictive(leaf, plane, edge, parameters.extent_prior));
   const double likelihood = likelihood_of(approach, plane.flat ? patch : 0);
   if (likelihood < parameters.least_impact || approach.fraction > free_fraction) return 0;
   const bool is_plane_decisive = parameters.surface_crossing && plane.flat;

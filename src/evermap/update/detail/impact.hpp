@@ -28,6 +28,11 @@ struct Plane {
 };
 Plane plane_of(const Gaussian& leaf);
 
+/// Where a leaf's surface may be, given its points and no more: few of them do not tell where else in the
+/// voxel it is. The predictive Gaussian of a prior worth `extent_prior` points anywhere in a voxel of this
+/// edge [m]; where a flat leaf lies across its plane is known.
+Gaussian predictive(const Gaussian& leaf, const Plane& plane, double edge, double extent_prior);
+
 /// Impact in [0, 1] of one bundle's ray on a leaf that it passes through, by the rules of `parameters`. Pure.
 /// `edge` [m]: of the leaf's voxel.
 /// Beyond `free_fraction` of the ray, the noise of its range forbids a verdict. `error`: of the scan's
