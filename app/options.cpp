@@ -33,6 +33,12 @@ void add_range_options(CLI::App& verb, ParameterOptions& options) {
       ->check(CLI::NonNegativeNumber)
       ->type_name("M")
       ->default_str(fmt::format("{}", defaults.max_range));
+  verb.add_option("--vehicle-box", options.vehicle_box,
+                  "Points on the vehicle itself: opposite corners of a box in the sensor's frame")
+      ->delimiter(',')
+      ->expected(6)
+      ->type_name("X,Y,Z,X,Y,Z")
+      ->default_str("none");
 }
 
 Parameters parameters_of(const ParameterOptions& options) {
@@ -41,6 +47,10 @@ Parameters parameters_of(const ParameterOptions& options) {
   LidarParameters& lidar = parameters.lidar;
   lidar.min_range = options.min_range.value_or(lidar.min_range);
   lidar.max_range = options.max_range.value_or(lidar.max_range);
+  if (const std::vector<double>& v = options.vehicle_box; !v.empty()) {
+    lidar.vehicle_box = Eigen::AlignedBox3d(Eigen::Vector3d(v[0], v[1], v[2]));
+    lidar.vehicle_box.extend(Eigen::Vector3d(v[3], v[4], v[5]));
+  }
   if (lidar.min_range < lidar.max_range) return parameters;
   throw std::runtime_error(fmt::format("min range {} m is not below max range {} m; no point would be used",
                                        lidar.min_range, lidar.max_range));

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -19,6 +20,7 @@ struct ParameterOptions {
   std::filesystem::path config;     ///< empty when not given
   std::optional<double> min_range;  ///< [m]
   std::optional<double> max_range;  ///< [m]
+  std::vector<double> vehicle_box;  ///< [m] two corners in the sensor's frame; empty when not given
 };
 void add_mode_option(CLI::App& verb, ParameterOptions& options);
 void add_config_option(CLI::App& verb, ParameterOptions& options);

@@ -51,6 +51,7 @@ Json to_json(const ScanResult::PointCounts& points) {
            {{"not_finite", points.not_finite},
             {"at_origin", points.at_origin},
             {"nearer_than_min_range", points.near},
+            {"on_the_vehicle", points.on_vehicle},
             {"farther_than_max_range", points.far},
             {"beyond_the_grid", points.out_of_grid}}}};
 }
@@ -81,12 +82,8 @@ Json to_json(const ChangeReport& report) {
 }
 
 std::string to_text(const ScanResult::PointCounts& points) {
-  return fmt::format(
-      "points   {} of {} used\n"
-      "dropped  {} not finite, {} at the origin, {} nearer than min range, {} farther than max range, "
-      "{} beyond the grid\n",
-      points.used, points.total, points.not_finite, points.at_origin, points.near, points.far,
-      points.out_of_grid);
+  return fmt::format("points   {} of {} used\ndropped  {}\n", points.used, points.total,
+                     dropped_in_words(points));
 }
 
 std::string to_text(const Run& run) {

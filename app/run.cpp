@@ -28,14 +28,17 @@ double wall_seconds() {
 
 }  // namespace
 
+std::string dropped_in_words(const ScanResult::PointCounts& points) {
+  return fmt::format(
+      "{} not finite, {} at the origin, {} nearer than min range, {} on the vehicle, "
+      "{} farther than max range, {} beyond the grid",
+      points.not_finite, points.at_origin, points.near, points.on_vehicle, points.far, points.out_of_grid);
+}
+
 void check_any_used(const ScanResult::PointCounts& points, const std::filesystem::path& file) {
   if (points.used > 0) return;
-  throw FileError(
-      file,
-      fmt::format("no usable point among {}: {} not finite, {} at the origin, {} nearer than min range, "
-                  "{} farther than max range, {} beyond the grid; check the ranges and the scans",
-                  points.total, points.not_finite, points.at_origin, points.near, points.far,
-                  points.out_of_grid));
+  throw FileError(file, fmt::format("no usable point among {}: {}; check the ranges and the scans",
+                                    points.total, dropped_in_words(points)));
 }
 
 Run run_over(std::size_t scans, int threads, const std::function<void(const TakeScan& take)>& next) {
@@ -75,7 +78,8 @@ Run run_over(PosedScans& scans, int threads, MapMaintainer& maintainer) {
     last = posed.file;
     const ScanResult result = take([&] { return maintainer.process(posed.scan, posed.T_map_sensor); });
     if (result.reject_reason == RejectReason::kNone) {
-      spdlog::debug("{}: {} points used", posed.file.string(), result.points.used);
+      spdlog::debug("{}: {} points used, {:.1f} % of the rays contradict the map", posed.file.string(),
+                    result.points.used, 100 * result.contradicting_fraction.value_or(0));
     } else {
       spdlog::warn("{}: skipped, it {}", posed.file.string(), to_string(result.reject_reason));
     }

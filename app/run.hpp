@@ -5,12 +5,16 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "posed_scans.hpp"
 #include <evermap/maintenance/map_maintainer.hpp>
 
 namespace evermap {
+
+/// How many points were not used, and why.
+std::string dropped_in_words(const ScanResult::PointCounts& points);
 
 /// Throws FileError naming `file` when none of the points was used.
 void check_any_used(const ScanResult::PointCounts& points, const std::filesystem::path& file);

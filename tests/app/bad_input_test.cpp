@@ -96,7 +96,7 @@ TEST_F(BadInputTest, ScansOfWhichNoneHasAUsablePointAreRefused) {
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(
       result.err.find("no usable point among 4: 0 not finite, 0 at the origin, 2 nearer than min range, "
-                      "2 farther than max range"),
+                      "0 on the vehicle, 2 farther than max range"),
       std::string::npos)
       << result.err;
   EXPECT_FALSE(std::filesystem::exists(path("out.evm")));

@@ -184,6 +184,11 @@ TEST_F(VerbsTest, OptionsOverrideTheConfigFile) {
   };
   EXPECT_EQ(used({}), -1);  // nothing within 1 m
   EXPECT_EQ(used({"--max-range", "100"}), 32 * 720);
+  EXPECT_EQ(used({"--max-range", "100", "--vehicle-box", "-99,-99,-99,99,99,99"}), -1);  // all of it
+  EXPECT_EQ(used({"--max-range", "100", "--vehicle-box", "0.1,-0.1,-0.1,-0.1,0.1,0.1"}), 32 * 720);
+  const int ahead = used({"--max-range", "100", "--vehicle-box", "0,-99,-99,99,99,99"});
+  EXPECT_TRUE(ahead > 0 && ahead < 32 * 720) << ahead;
+  EXPECT_EQ(used({"--vehicle-box", "1,2,3,4,5"}), -2);
 }
 
 TEST_F(VerbsTest, ConfigErrorsNameFileAndLine) {

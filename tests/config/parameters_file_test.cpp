@@ -35,6 +35,7 @@ TEST_F(ParametersFileTest, SetsWhatItNamesAndNothingElse) {
   Parameters parameters;
   read_parameters(file, parameters);
   EXPECT_EQ(parameters.lidar.max_range, 60);
+  EXPECT_TRUE(parameters.lidar.vehicle_box.isEmpty());
   EXPECT_EQ(parameters.lidar.min_range, Parameters{}.lidar.min_range);
   EXPECT_EQ(parameters.update.impact, ImpactRule::kEquation5Printed);
   EXPECT_TRUE(parameters.update.trim_leaves);
@@ -51,11 +52,14 @@ TEST_F(ParametersFileTest, AFileOfCommentsSetsNothing) {
 TEST_F(ParametersFileTest, TakesWhatItWrote) {
   Parameters written = Parameters::paper();
   written.lidar.scan_period = 0.05;
+  written.lidar.vehicle_box = {Eigen::Vector3d(-1.5, -0.5, -1), Eigen::Vector3d(0.25, 0.5, 0.1)};
   written.update.hit = 1.5;
   written.localization.gate.memory = 17;
   Parameters read;
   read_parameters(make("parameters.yaml", to_yaml(written)), read);
   EXPECT_EQ(to_yaml(read), to_yaml(written));
+  EXPECT_EQ(read.lidar.vehicle_box.min(), written.lidar.vehicle_box.min());
+  EXPECT_EQ(read.lidar.vehicle_box.max(), written.lidar.vehicle_box.max());
   EXPECT_NE(to_yaml(read), to_yaml(Parameters{}));
 }
 
@@ -77,6 +81,7 @@ TEST_F(ParametersFileTest, MistakesAreNamedWithTheirLine) {
   refuses("lidra:\n  max_range: 60\n", "line 1", "lidra");
   refuses("lidar:\n  max_range: 60\n  max_range: 70\n", "line 3", "max_range");
   refuses("lidar:\n  max_range: far\n", "line 2", "max_range");
+  refuses("lidar:\n  vehicle_box: [1, 2, 3]\n", "line 2", "vehicle_box");
   refuses("update:\n  hit: 1e308\n", "line 2", "hit");
   refuses("update:\n  hit: .nan\n", "line 2", "hit");
   refuses("update:\n  forgetting: 1.1\n", "line 2", "forgetting");

@@ -58,17 +58,23 @@ Gaussian expected_bundle(const std::vector<Vector3d>& points, double s0) {
 void expect_brute_force(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid& grid,
                         const LidarParameters& lidar) {
   std::map<VoxelKey, std::vector<Vector3d>> voxels;
-  std::size_t near = 0, far = 0;
+  std::size_t near = 0, far = 0, on_vehicle = 0;
   for (const Vector3d& p : scan.p_sensor) {
     near += p.norm() < lidar.min_range;
     far += p.norm() > lidar.max_range;
     if (p.norm() < lidar.min_range || p.norm() > lidar.max_range) continue;
+    const auto& box = lidar.vehicle_box;
+    if ((p.array() >= box.min().array()).all() && (p.array() <= box.max().array()).all()) {
+      ++on_vehicle;
+      continue;
+    }
     const Vector3d p_map = T_map_sensor * p;
     voxels[*grid.key(p_map)].push_back(p_map);
   }
   const BundleGrid found = condense(scan, T_map_sensor, grid, lidar);
   EXPECT_EQ(found.dropped_near, near);
   EXPECT_EQ(found.dropped_far, far);
+  EXPECT_EQ(found.dropped_on_vehicle, on_vehicle);
   EXPECT_EQ(found.dropped_out_of_grid, 0U);
   EXPECT_EQ(found.origin_map, T_map_sensor.translation);
   ASSERT_EQ(found.bundles().size(), voxels.size());
@@ -90,6 +96,8 @@ TEST(Condense, EqualsBruteForceGrouping) {
   for (int i = 0; i < 30; ++i) {
     LidarParameters lidar;
     lidar.range_sigma = random.log_uniform(0.001, 0.05);
+    if (random.chance(0.5))
+      lidar.vehicle_box = {Vector3d(-3, -1, -2), Vector3d(random.uniform(0, 4), 1, 1.5)};
     const VoxelGrid grid{random.uniform(0.05, 1)};
     expect_brute_force(random_scan(random, 3000), random_pose(random, Vector3d::Zero()), grid, lidar);
   }

@@ -7,7 +7,9 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <evermap/config/parameters_file.hpp>
@@ -33,11 +35,13 @@ constexpr Limits kAnyBool{0, 1};
 /// struct: a new field does not compile until it is listed here.
 template <class Lidar, class Visit>
 void for_each_lidar_field(Lidar& lidar, Visit&& visit) {
-  auto& [min_range, max_range, range_sigma, scan_period] = lidar;
-  visit("lidar.min_range", min_range, "m", Limits{0, 1000}, "nearer returns are the vehicle itself");
+  auto& [min_range, max_range, range_sigma, scan_period, vehicle_box] = lidar;
+  visit("lidar.min_range", min_range, "m", Limits{0, 1000}, "nearer returns are not used");
   visit("lidar.max_range", max_range, "m", Limits{0.1, 10000}, "farther returns are not used");
   visit("lidar.range_sigma", range_sigma, "m", Limits{1e-4, 1}, "standard deviation of a return's distance");
   visit("lidar.scan_period", scan_period, "s", Limits{1e-3, 100}, "from a scan's first return to its last");
+  visit("lidar.vehicle_box", vehicle_box, "m", Limits{-1000, 1000},
+        "opposite corners, in the sensor's frame, of the vehicle, whose returns are not used");
 }
 
 template <class Update, class Visit>
@@ -164,6 +168,10 @@ std::string to_string(const Field& field) {
     const auto found =
         std::find_if(names.begin(), names.end(), [&](const auto& n) { return n.first == field; });
     return found == names.end() ? "" : found->second;
+  } else if constexpr (std::is_same_v<Field, Eigen::AlignedBox3d>) {
+    if (field.isEmpty()) return "[]";
+    return fmt::format("[{}, {}, {}, {}, {}, {}]", field.min().x(), field.min().y(), field.min().z(),
+                       field.max().x(), field.max().y(), field.max().z());
   } else {
     return fmt::format("{}", field);
   }
@@ -179,6 +187,8 @@ std::string values_of(const Field& field, [[maybe_unused]] const Limits& limits)
     return text;
   } else if constexpr (std::is_same_v<Field, bool>) {
     return "true or false";
+  } else if constexpr (std::is_same_v<Field, Eigen::AlignedBox3d>) {
+    return "[] or [x, y, z, x, y, z]";
   } else {
     return fmt::format("{} to {}", limits.least, limits.most);
   }
@@ -190,6 +200,11 @@ void set(Field& field, [[maybe_unused]] const Limits& limits, const YamlValue& v
     field = value.one_of<Field>(names_of(field));
   } else if constexpr (std::is_same_v<Field, bool>) {
     field = value.truth();
+  } else if constexpr (std::is_same_v<Field, Eigen::AlignedBox3d>) {
+    field.setEmpty();
+    if (value.is_list() && value.list().empty()) return;
+    const std::vector<double> v = value.numbers(6, 6, limits);
+    field.extend(Eigen::Vector3d(v[0], v[1], v[2])).extend(Eigen::Vector3d(v[3], v[4], v[5]));
   } else if constexpr (std::is_integral_v<Field>) {
     field = static_cast<Field>(value.whole(static_cast<int>(limits.least), static_cast<int>(limits.most)));
   } else {

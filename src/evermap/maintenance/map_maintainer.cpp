@@ -165,6 +165,7 @@ class MapMaintainer::Loop {
 
   void update_trusting(const BundleGrid& bundles, ScanResult& result) {
     const Evidence evidence = trace_rays(bundles, result);
+    result.contradicting_fraction = contradicting_fraction(evidence, bundles);
     apply_changes(result, [&] { return apply_evidence(bundles, evidence, result); });
   }
 

@@ -7,7 +7,7 @@ namespace evermap {
 ScanResult::PointCounts& ScanResult::PointCounts::operator+=(const PointCounts& other) {
   for (const auto count :
        {&PointCounts::total, &PointCounts::used, &PointCounts::not_finite, &PointCounts::at_origin,
-        &PointCounts::near, &PointCounts::far, &PointCounts::out_of_grid}) {
+        &PointCounts::near, &PointCounts::on_vehicle, &PointCounts::far, &PointCounts::out_of_grid}) {
     this->*count += other.*count;
   }
   return *this;

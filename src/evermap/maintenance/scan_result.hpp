@@ -23,6 +23,7 @@ struct ScanResult {
     std::size_t not_finite = 0;
     std::size_t at_origin = 0;    ///< of zero range
     std::size_t near = 0;         ///< below min_range
+    std::size_t on_vehicle = 0;   ///< in vehicle_box
     std::size_t far = 0;          ///< above max_range
     std::size_t out_of_grid = 0;  ///< beyond the range of keys
 

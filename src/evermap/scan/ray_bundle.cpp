@@ -25,6 +25,7 @@ struct Run {
 struct Stretch {
   std::vector<Run> runs;
   std::size_t dropped_near = 0;
+  std::size_t dropped_on_vehicle = 0;
   std::size_t dropped_far = 0;
   std::size_t dropped_out_of_grid = 0;
 };
@@ -44,6 +45,8 @@ Stretch runs_of(const Scan& scan, std::size_t begin, std::size_t end, const Pose
       ++stretch.dropped_near;
     } else if (range_squared > lidar.max_range * lidar.max_range) {
       ++stretch.dropped_far;
+    } else if (lidar.vehicle_box.contains(p_sensor)) {
+      ++stretch.dropped_on_vehicle;
     } else if (key = grid.key(p_map[i]); !key) {
       ++stretch.dropped_out_of_grid;
     }
@@ -142,6 +145,7 @@ BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid&
   runs.reserve(count);
   for (const Stretch& stretch : stretches) {
     result.dropped_near += stretch.dropped_near;
+    result.dropped_on_vehicle += stretch.dropped_on_vehicle;
     result.dropped_far += stretch.dropped_far;
     result.dropped_out_of_grid += stretch.dropped_out_of_grid;
     runs.insert(runs.end(), stretch.runs.begin(), stretch.runs.end());

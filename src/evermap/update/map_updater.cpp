@@ -99,6 +99,7 @@ BundleGrid add_cloud(Octree& octree, const Scan& cloud, const Pose& T_map_cloud,
   LidarParameters every_return = lidar;
   every_return.min_range = 0;
   every_return.max_range = std::numeric_limits<double>::infinity();
+  every_return.vehicle_box.setEmpty();
   UpdateParameters sure = parameters;
   sure.hit = parameters.max_log_odds;
   BundleGrid bundles = condense(cloud, T_map_cloud, octree.grid(), every_return);

@@ -11,10 +11,12 @@ namespace evermap {
 inline ScanResult::PointCounts count_points(const Scan& scan, const BundleGrid& bundles) {
   const std::size_t given = scan.p_sensor.size();
   return {given + scan.dropped_not_finite + scan.dropped_at_origin,
-          given - bundles.dropped_near - bundles.dropped_far - bundles.dropped_out_of_grid,
+          given - bundles.dropped_near - bundles.dropped_on_vehicle - bundles.dropped_far -
+              bundles.dropped_out_of_grid,
           scan.dropped_not_finite,
           scan.dropped_at_origin,
           bundles.dropped_near,
+          bundles.dropped_on_vehicle,
           bundles.dropped_far,
           bundles.dropped_out_of_grid};
 }

@@ -33,6 +33,7 @@ class BundleGrid {
   Eigen::Vector3d origin_map = Eigen::Vector3d::Zero();  ///< [m] o, the sensor's position
   double range_sigma = 0;                                ///< [m] of the returns' distances
   std::size_t dropped_near = 0;                          ///< points below min_range
+  std::size_t dropped_on_vehicle = 0;                    ///< points in vehicle_box
   std::size_t dropped_far = 0;                           ///< points above max_range
   std::size_t dropped_out_of_grid = 0;                   ///< points beyond the range of keys
 
