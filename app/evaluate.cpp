@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <fmt/core.h>
+#include <spdlog/spdlog.h>
 
 #include "options.hpp"
 #include "posed_scans.hpp"
@@ -106,17 +107,38 @@ MatchedPoses match(const std::vector<StampedPose>& found, const std::vector<Stam
   return matched;
 }
 
+/// One file's times may be of the begin of each scan, the other's of its end: then each pose fits the true
+/// one beside its partner.
+void warn_of_shift(const MatchedPoses& matched, double rmse) {
+  constexpr double kFits = 0.3;  // of the error as matched
+  if (matched.found.size() < 3) return;
+  const std::vector<Pose>& truth = matched.truth;
+  const std::vector<Pose>& found = matched.found;
+  const std::vector<Pose> true_before(truth.begin(), truth.end() - 1),
+      true_after(truth.begin() + 1, truth.end());
+  const std::vector<Pose> found_before(found.begin(), found.end() - 1),
+      found_after(found.begin() + 1, found.end());
+  const double late = compare_trajectories(true_before, found_after).translation_rmse();
+  const double early = compare_trajectories(true_after, found_before).translation_rmse();
+  if (std::min(late, early) >= kFits * rmse) return;
+  spdlog::warn(
+      "the poses fit the true ones of the scan {} better, {:.4f} m rms instead of {:.4f}; are the times "
+      "of both files those of the same moment of a scan?",
+      late < early ? "before" : "after", std::min(late, early), rmse);
+}
+
 void score_trajectory(const EvaluateOptions& options) {
   constexpr double kLongestStretch = 100;  ///< [m]
   constexpr double kDegrees = 180 / std::numbers::pi;
   const std::filesystem::path found = options.trajectory[0];
   const std::filesystem::path truth = options.trajectory[1];
-  const MatchedPoses matched = match(read_poses(found), read_poses(truth), options.tolerance);
+  const MatchedPoses matched = match(read_trajectory(found), read_trajectory(truth), options.tolerance);
   if (matched.found.empty()) {
     throw FileError(found, fmt::format("no pose is within {} s of one of {}; check both files' times",
                                        options.tolerance, truth.string()));
   }
   const TrajectoryError error = compare_trajectories(matched.truth, matched.found);
+  if (matched.is_by_time) warn_of_shift(matched, error.translation_rmse());
   const double stretch = std::min(kLongestStretch, path_length(matched.truth));
   const double drifted = stretch > 0 ? drift(matched.truth, matched.found, stretch) : NAN;
   if (options.as_json) {

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "posed_scans.hpp"
 #include <evermap/files/file_error.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
 #include <evermap/io/scan_source.hpp>
@@ -24,7 +25,7 @@ class ScanOdometry {
   ScanOdometry(const LocalizedScans& options, std::size_t scans, double scan_period)
       : rate_(1 / scan_period) {
     if (options.odometry.empty()) return;
-    poses_ = read_poses(options.odometry);
+    poses_ = read_trajectory(options.odometry);
     if (poses_.size() == scans) return;
     throw FileError(options.odometry,
                     fmt::format("has {} poses for the {} scans of {}; give one pose for each scan",

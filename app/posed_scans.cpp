@@ -5,13 +5,23 @@
 #include <string>
 #include <utility>
 
+#include <spdlog/spdlog.h>
+
 #include <evermap/files/file_error.hpp>
+#include <evermap/io/detail/point_time.hpp>
 
 namespace evermap {
 
+std::vector<StampedPose> read_trajectory(const std::filesystem::path& path) {
+  PoseFile file = read_poses(path);
+  if (file.seconds_per_tick != 1)
+    spdlog::warn("{}: its times were taken for {}", path.string(), name_of_unit(file.seconds_per_tick));
+  return std::move(file.poses);
+}
+
 PosedScans::PosedScans(const std::filesystem::path& scans, const std::filesystem::path& poses,
                        const CloudOptions& cloud)
-    : scans_(scans, cloud), poses_(read_poses(poses)) {
+    : scans_(scans, cloud), poses_(read_trajectory(poses)) {
   if (poses_.size() == scans_.size()) return;
   throw FileError(poses, "has " + std::to_string(poses_.size()) + " poses for the " +
                              std::to_string(scans_.size()) + " scans of " + scans.string() +

@@ -12,6 +12,9 @@
 
 namespace evermap {
 
+/// read_poses(), and a word about the unit of its times where that is not the second.
+std::vector<StampedPose> read_trajectory(const std::filesystem::path& path);
+
 struct PosedScan {
   Scan scan;
   Pose T_map_sensor;

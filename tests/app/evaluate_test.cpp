@@ -80,6 +80,16 @@ TEST_F(EvaluateTest, TrajectoriesReadAsALineEach) {
             "lost       0.00 % of the poses, more than 1 m or 5 degrees off\n");
 }
 
+TEST_F(EvaluateTest, TimesThatAreAScanApartAreNoticed) {
+  make("found.txt", tum(20, 100.1));
+  make("truth.txt", tum(21, 100));
+  const Result shifted = run({"evaluate", "--trajectory", name("found.txt"), name("truth.txt")});
+  EXPECT_NE(shifted.err.find("fit the true ones of the scan before better, 0.0000 m rms"), std::string::npos)
+      << shifted.err;
+  make("found.txt", tum(20, 100, 0.4));
+  EXPECT_EQ(run({"evaluate", "--trajectory", name("found.txt"), name("truth.txt")}).err, "");
+}
+
 TEST_F(EvaluateTest, TrajectoriesOfOtherTimesAreRefused) {
   make("found.txt", tum(5, 0));
   make("truth.txt", tum(5, 1000));

@@ -58,7 +58,7 @@ class LocalizeTest : public ProgramTest {
     expect_done({"build", name("scans"), "--poses", name("truth.txt"), "-r", "0.4", "-o", name("map.evm")});
   }
   void expect_poses(const std::string& file, double tolerance) const {
-    const std::vector<StampedPose> found = read_poses(path(file));
+    const std::vector<StampedPose> found = read_poses(path(file)).poses;
     ASSERT_EQ(found.size(), static_cast<std::size_t>(kScans));
     for (int i = 0; i < kScans; ++i) {
       const StampedPose& pose = found[static_cast<std::size_t>(i)];
@@ -98,6 +98,21 @@ TEST_F(LocalizeTest, TakesAnInitialPoseAndOdometry) {
   build_map();
   make("odometry.txt", truth_);
   expect_done(localize({"--odometry", name("odometry.txt"), "--initial-pose", "0.5 0.3 0 0 0 0 1"}));
+  expect_poses("poses.txt", 0.03);
+}
+
+TEST_F(LocalizeTest, OdometryMayBeTimedInNanoseconds) {
+  build_map();
+  std::string text;
+  for (int i = 0; i < kScans; ++i) {
+    text += std::to_string(i + 1) + "00000000 " + std::to_string(0.1 * i) + ' ' + std::to_string(0.02 * i) +
+            " 0 0 0 0 1\n";
+  }
+  make("odometry.txt", text);
+  const Result result = run(localize({"--odometry", name("odometry.txt")}));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("odometry.txt: its times were taken for nanoseconds"), std::string::npos)
+      << result.err;
   expect_poses("poses.txt", 0.03);
 }
 

@@ -54,7 +54,7 @@ TEST_F(SimulateTest, WritesWhatImportAndUpdateTake) {
   expect_done({"update", name("map.evm"), name("run/scans"), "--poses", name("run/poses.txt"), "-o",
                name("after.evm")});
 
-  const auto poses = read_poses(path("run/poses.txt"));
+  const auto poses = read_poses(path("run/poses.txt")).poses;
   ASSERT_EQ(poses.size(), 6u);
   EXPECT_NEAR(poses[2].time.value(), 0.3, 1e-9);
   EXPECT_NEAR(poses[2].T_map_sensor.translation.x(), -5 + 1.2, 1e-6);

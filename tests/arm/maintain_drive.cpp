@@ -21,7 +21,7 @@ namespace {
 
 void maintain(const std::filesystem::path& survey, const std::filesystem::path& drive,
               const std::string& out) {
-  const std::vector<StampedPose> truth = read_poses(drive / "poses.txt");
+  const std::vector<StampedPose> truth = read_poses(drive / "poses.txt").poses;
   MapMaintainer maintainer(load_map(survey), {}, MapMode::kMaintenance, truth.at(0).T_map_sensor);
   ScanSource scans(drive / "scans");
   std::vector<StampedPose> poses;

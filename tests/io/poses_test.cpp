@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <clocale>
+#include <cmath>
+#include <cstdint>
 #include <locale>
+#include <sstream>
 
 #include "files/file_fixture.hpp"
 #include <evermap/io/poses.hpp>
@@ -11,7 +14,7 @@ namespace {
 
 class PosesTest : public FileTest {
  protected:
-  std::vector<StampedPose> read(std::string_view text) { return read_poses(make("poses.txt", text)); }
+  std::vector<StampedPose> read(std::string_view text) { return read_poses(make("poses.txt", text)).poses; }
   FileError error(std::string_view text, std::string_view message) {
     const std::filesystem::path file = make("poses.txt", text);
     return file_error(file, message, [&] { read_poses(file); });
@@ -31,6 +34,26 @@ TEST_F(PosesTest, Tum) {
   EXPECT_EQ(poses[1].T_map_sensor.translation, Eigen::Vector3d(-1000, 2.5, 0.5));
   const Eigen::Vector3d turned = poses[1].T_map_sensor.rotation * Eigen::Vector3d::UnitX();
   EXPECT_LT((turned - Eigen::Vector3d::UnitY()).norm(), 1e-12) << "a quarter turn about z, normalized";
+}
+
+TEST_F(PosesTest, TimesAreInSecondsWhateverTheirUnit) {
+  for (const double begin : {0.0, 5000.0, 1691000000.0}) {  // since the start, a day's, since 1970
+    for (const double step : {0.02, 0.1, 2.0}) {            // [s]
+      for (const std::int64_t ticks : {1, 1000, 1000000, 1000000000}) {  // a second
+        if (ticks == 1 && step < 1) continue;
+        std::ostringstream text;
+        for (int i = 0; i < 9; ++i) {
+          const double time = begin + step * (i + (i > 4 ? 700 : 0));  // with a gap
+          text << std::llround(time * static_cast<double>(ticks)) << " 0 0 0 0 0 0 1\n";
+        }
+        const PoseFile file = read_poses(make("poses.txt", text.str()));
+        EXPECT_EQ(file.seconds_per_tick, 1 / static_cast<double>(ticks)) << text.str();
+        EXPECT_NEAR(*file.poses[4].time, begin + 4 * step, 1e-3) << text.str();
+      }
+    }
+  }
+  const PoseFile fractions = read_poses(make("poses.txt", "0.1 0 0 0 0 0 0 1\n0.2 0 0 0 0 0 0 1\n"));
+  EXPECT_EQ(fractions.seconds_per_tick, 1);
 }
 
 TEST_F(PosesTest, KittiIsRowMajor) {

@@ -32,13 +32,17 @@ double seconds_per_tick(Scalar type, double span) {
   return fitting == kUnits.end() ? usual : fitting->seconds;
 }
 
+std::string_view name_of_unit(double seconds_per_tick) {
+  return std::find_if(kUnits.begin(), kUnits.end(),
+                      [&](const Unit& known) { return known.seconds == seconds_per_tick; })
+      ->name;
+}
+
 std::string PointTime::describe() const {
-  const auto* unit = std::find_if(kUnits.begin(), kUnits.end(),
-                                  [&](const Unit& known) { return known.seconds == seconds_per_tick; });
   std::array<char, 32> digits{};
   std::snprintf(digits.data(), digits.size(), "%.3g", span);
-  return "field '" + field + "' (" + std::string(name_of(type)) + ") in " + std::string(unit->name) + ", " +
-         digits.data() + " s from first to last";
+  return "field '" + field + "' (" + std::string(name_of(type)) + ") in " +
+         std::string(name_of_unit(seconds_per_tick)) + ", " + digits.data() + " s from first to last";
 }
 
 }  // namespace evermap

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
 
 #include <evermap/files/detail/text_lines.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
@@ -37,6 +38,23 @@ StampedPose kitti_pose(const std::vector<double>& row, const TextLines& lines) {
   return {std::nullopt, {nearest_rotation(rotation), matrix.col(3)}};
 }
 
+/// What 1 of a trajectory's times is [s].
+double unit_of(const std::vector<StampedPose>& poses) {
+  constexpr double kNever = 1e11;  // [s] since 1970, or since anything else
+  constexpr double kLongStep =
+      20;  // [s] from pose to pose; few poses follow each other in a thousandth of it
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < poses.size(); ++i) steps.push_back(*poses[i].time - *poses[i - 1].time);
+  if (steps.empty()) return 1;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const double latest = std::abs(*poses.back().time);
+  for (const double unit : {1.0, 1e-3, 1e-6}) {
+    if (*middle * unit < kLongStep && latest * unit < kNever) return unit;
+  }
+  return 1e-9;
+}
+
 bool is_plausible(const StampedPose& pose) {
   constexpr double kFarthest = 1e8;  // [m] beyond what any frame of the earth needs, and where doubles fade
   constexpr double kLatest = 1e19;   // nanoseconds of three centuries
@@ -46,7 +64,7 @@ bool is_plausible(const StampedPose& pose) {
 
 }  // namespace
 
-std::vector<StampedPose> read_poses(const std::filesystem::path& path) {
+PoseFile read_poses(const std::filesystem::path& path) {
   const InputFile file(path);
   TextLines lines(file);
   std::vector<StampedPose> poses;
@@ -74,7 +92,10 @@ std::vector<StampedPose> read_poses(const std::filesystem::path& path) {
     }
   }
   if (poses.empty()) file.fail("holds no pose");
-  return poses;
+  if (columns == kKittiColumns) return {std::move(poses)};
+  const double unit = unit_of(poses);
+  for (StampedPose& pose : poses) *pose.time *= unit;
+  return {std::move(poses), unit};
 }
 
 void write_tum_poses(const std::filesystem::path& path, const std::vector<StampedPose>& poses) {

@@ -16,13 +16,20 @@ struct StampedPose {
   Pose T_map_sensor;
 };
 
+/// The rows of a trajectory file, and what its times were taken for.
+struct PoseFile {
+  std::vector<StampedPose> poses;
+  double seconds_per_tick = 1;  ///< of the times as written; 1, 1e-3, 1e-6 or 1e-9
+};
+
 /// Reads TUM (`t x y z qx qy qz qw`) or KITTI (12 numbers, row-major 3x4) poses; the number of columns tells
 /// which. Blank lines and lines that begin with `#` are skipped. Quaternions are normalized, matrices
 /// replaced by the nearest rotation. Throws FileError naming the line for: another number of columns,
 /// something that is no finite number, a quaternion of norm 0 (or further than 1e-2 from 1), a matrix that is
 /// no rotation (tolerance 1e-3), time not strictly increasing; and without a line for a file that cannot be
-/// read or holds no pose.
-std::vector<StampedPose> read_poses(const std::filesystem::path& path);
+/// read or holds no pose. Times may be in seconds, milliseconds, microseconds or nanoseconds: what they are
+/// is told by their steps, which are taken for less than 20 s.
+PoseFile read_poses(const std::filesystem::path& path);
 
 /// Writes TUM poses atomically, times with six decimals. Throws FileError when the file cannot be written.
 /// REQUIRES: every pose has a time.

@@ -27,6 +27,9 @@ struct PointTime {
   std::string describe() const;
 };
 
+/// "seconds" for 1, and so on.
+std::string_view name_of_unit(double seconds_per_tick);
+
 /// The unit [s] of times of this type of which the last is `span` ticks after the first. By itself a floating
 /// time is in seconds (Velodyne, Hesai) and a whole number in nanoseconds (Ouster, Livox); another unit is
 /// taken when only that makes a sweep of 0.02 to 0.5 s of the span.
