@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <malloc.h>
+#include <new>
 #include <stdexcept>
 
 #include <fmt/core.h>
@@ -72,6 +73,9 @@ int run_command_line(int argc, char** argv, const std::string& program, const st
   try {
     CLI::App app(description, program);
     return run(argc, argv, app, add_options);
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "{}: not enough memory; a larger leaf edge or a smaller map needs less\n", program);
+    return kFailed;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", program, one_line(error.what()));
     return kFailed;
