@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "posed_scans.hpp"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -26,6 +27,13 @@ PosedScans::PosedScans(const std::filesystem::path& scans, const std::filesystem
   throw FileError(poses, "has " + std::to_string(poses_.size()) + " poses for the " +
                              std::to_string(scans_.size()) + " scans of " + scans.string() +
                              "; give one pose for each scan");
+}
+
+std::vector<Pose> PosedScans::poses() const {
+  std::vector<Pose> poses(poses_.size());
+  std::transform(poses_.begin(), poses_.end(), poses.begin(),
+                 [](const StampedPose& p) { return p.T_map_sensor; });
+  return poses;
 }
 
 std::optional<PosedScan> PosedScans::next() {

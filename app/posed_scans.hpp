@@ -30,6 +30,7 @@ class PosedScans {
 
   std::size_t size() const { return scans_.size(); }
   const Pose& first_pose() const { return poses_.front().T_map_sensor; }
+  std::vector<Pose> poses() const;
   std::optional<PosedScan> next();
   /// What was made of the last scan's file.
   const CloudNotes& notes() const { return scans_.notes(); }

@@ -71,8 +71,9 @@ Run run_over(std::size_t scans, int threads, const std::function<void(const Take
   return run;
 }
 
-Run run_over(PosedScans& scans, int threads, MapMaintainer& maintainer) {
+Run run_over(PosedScans& scans, int threads, MapMaintainer& maintainer, const LookAtScan& look) {
   std::filesystem::path last;
+  std::size_t index = 0;
   Run run = run_over(scans.size(), threads, [&](const TakeScan& take) {
     const PosedScan posed = scans.next().value();
     last = posed.file;
@@ -83,6 +84,8 @@ Run run_over(PosedScans& scans, int threads, MapMaintainer& maintainer) {
     } else {
       spdlog::warn("{}: skipped, it {}", posed.file.string(), to_string(result.reject_reason));
     }
+    if (look) look(index, posed.scan, result);
+    ++index;
   });
   if (!run.was_interrupted()) check_any_used(run.points, last);
   return run;

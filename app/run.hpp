@@ -38,8 +38,9 @@ using Work = std::function<ScanResult()>;
 using TakeScan = std::function<ScanResult(const Work& work)>;
 Run run_over(std::size_t scans, int threads, const std::function<void(const TakeScan& take)>& next);
 
-/// Gives the maintainer all scans with their poses. Throws FileError when a scan cannot be read, or when no
-/// point of any scan could be used.
-Run run_over(PosedScans& scans, int threads, MapMaintainer& maintainer);
+/// Gives the maintainer all scans with their poses, and shows each to `look`, if there is one. Throws
+/// FileError when a scan cannot be read, or when no point of any scan could be used.
+using LookAtScan = std::function<void(std::size_t index, const Scan& scan, const ScanResult& result)>;
+Run run_over(PosedScans& scans, int threads, MapMaintainer& maintainer, const LookAtScan& look = {});
 
 }  // namespace evermap

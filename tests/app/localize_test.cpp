@@ -116,6 +116,21 @@ TEST_F(LocalizeTest, OdometryMayBeTimedInNanoseconds) {
   expect_poses("poses.txt", 0.03);
 }
 
+TEST_F(LocalizeTest, UpdateRefusesPosesThatDoNotFitTheMapAndSaysWhy) {
+  build_map();
+  std::string text;  // w first
+  for (int i = 0; i < kScans; ++i)
+    text +=
+        std::to_string(i) + ' ' + std::to_string(0.1 * i) + ' ' + std::to_string(0.02 * i) + " 0 1 0 0 0\n";
+  make("poses.txt", text);
+  std::vector<std::string> update = {"update", name("map.evm"), name("scans"), "--poses", name("poses.txt"),
+                                     "-o",     name("new.evm")};
+  expect_failed(update, "if their quaternions begin with w; write qx qy qz qw");
+  EXPECT_FALSE(std::filesystem::exists(path("new.evm")));
+  update.emplace_back("--force");
+  expect_done(update);
+}
+
 TEST_F(LocalizeTest, OdometryThatDoesNotBelongToTheScansIsNamed) {
   build_map();
   const auto tum = [](const std::vector<double>& times) {

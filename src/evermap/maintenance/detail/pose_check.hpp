@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <evermap/geometry/pose.hpp>
+#include <evermap/map/octree.hpp>
+#include <evermap/scan/lidar_parameters.hpp>
+#include <evermap/scan/scan.hpp>
+
+namespace evermap {
+
+/// Looks whether scans lie on a map where their poses put them, and where they do not, which of the mistakes
+/// that people make with poses explains it: each is tried on the scans.
+class PoseCheck {
+ public:
+  /// `map` as it was before the scans; `poses` of all scans, as given.
+  PoseCheck(Octree map, LidarParameters lidar, std::vector<Pose> poses);
+
+  /// Whether the check wants to see this scan. Those that it does not want cost nothing.
+  bool wants(std::size_t scan) const;
+  /// Costs as much as condensing the scan, and where it does not fit, once more for each mistake.
+  /// `contradicting`: fraction of its rays that contradict the map.
+  void add(std::size_t scan, const Scan& points, double contradicting);
+
+  /// What is wrong with the poses and what to do, in words; empty while nothing is known against them.
+  std::string verdict() const;
+
+ private:
+  double fit(const Scan& points, const Pose& T_map_sensor) const;
+
+  Octree map_;
+  LidarParameters lidar_;
+  std::vector<Pose> poses_;
+  std::size_t seen_ = 0;            ///< scans
+  double contradicting_ = 0;        ///< sum over these
+  double fit_ = 0;                  ///< sum of how they fit as given
+  std::vector<double> mended_fit_;  ///< and without each of the mistakes
+};
+
+}  // namespace evermap
