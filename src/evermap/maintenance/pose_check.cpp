@@ -69,7 +69,7 @@ constexpr double kFits = 0.8;  ///< of a scan's bundles on the map: nothing else
 
 }  // namespace
 
-PoseCheck::PoseCheck(Octree map, LidarParameters lidar, std::vector<Pose> poses)
+PoseCheck::PoseCheck(Octree map, const LidarParameters& lidar, std::vector<Pose> poses)
     : map_(std::move(map)), lidar_(lidar), poses_(std::move(poses)), mended_fit_(kMistakes.size(), 0) {}
 
 bool PoseCheck::wants(std::size_t scan) const {

@@ -18,7 +18,7 @@ namespace evermap {
 class PoseCheck {
  public:
   /// `map` as it was before the scans; `poses` of all scans, as given.
-  PoseCheck(Octree map, LidarParameters lidar, std::vector<Pose> poses);
+  PoseCheck(Octree map, const LidarParameters& lidar, std::vector<Pose> poses);
 
   /// Whether the check wants to see this scan. Those that it does not want cost nothing.
   bool wants(std::size_t scan) const;
