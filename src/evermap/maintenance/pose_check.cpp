@@ -103,7 +103,7 @@ void PoseCheck::add(std::size_t scan, const Scan& points, double contradicting) 
 }
 
 std::string PoseCheck::verdict() const {
-  constexpr std::size_t kEnough = 8;  // scans
+  constexpr std::size_t kEnough = 3;  // scans
   if (seen_ < kEnough) return {};
   const auto n = static_cast<double>(seen_);
   const auto best = std::max_element(mended_fit_.begin(), mended_fit_.end());
