@@ -112,14 +112,16 @@ MatchedPoses match(const std::vector<StampedPose>& found, const std::vector<Stam
 void warn_of_shift(const MatchedPoses& matched, double rmse) {
   constexpr double kFits = 0.3;  // of the error as matched
   if (matched.found.size() < 3) return;
-  const std::vector<Pose>& truth = matched.truth;
-  const std::vector<Pose>& found = matched.found;
-  const std::vector<Pose> true_before(truth.begin(), truth.end() - 1),
-      true_after(truth.begin() + 1, truth.end());
-  const std::vector<Pose> found_before(found.begin(), found.end() - 1),
-      found_after(found.begin() + 1, found.end());
-  const double late = compare_trajectories(true_before, found_after).translation_rmse();
-  const double early = compare_trajectories(true_after, found_before).translation_rmse();
+  const auto but_first = [](const std::vector<Pose>& poses) {
+    return std::vector<Pose>(poses.begin() + 1, poses.end());
+  };
+  const auto but_last = [](const std::vector<Pose>& poses) {
+    return std::vector<Pose>(poses.begin(), poses.end() - 1);
+  };
+  const double late =
+      compare_trajectories(but_last(matched.truth), but_first(matched.found)).translation_rmse();
+  const double early =
+      compare_trajectories(but_first(matched.truth), but_last(matched.found)).translation_rmse();
   if (std::min(late, early) >= kFits * rmse) return;
   spdlog::warn(
       "the poses fit the true ones of the scan {} better, {:.4f} m rms instead of {:.4f}; are the times "

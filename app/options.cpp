@@ -47,10 +47,7 @@ Parameters parameters_of(const ParameterOptions& options) {
   LidarParameters& lidar = parameters.lidar;
   lidar.min_range = options.min_range.value_or(lidar.min_range);
   lidar.max_range = options.max_range.value_or(lidar.max_range);
-  if (const std::vector<double>& v = options.vehicle_box; !v.empty()) {
-    lidar.vehicle_box = Eigen::AlignedBox3d(Eigen::Vector3d(v[0], v[1], v[2]));
-    lidar.vehicle_box.extend(Eigen::Vector3d(v[3], v[4], v[5]));
-  }
+  if (!options.vehicle_box.empty()) lidar.vehicle_box = box_between(options.vehicle_box);
   if (lidar.min_range < lidar.max_range) return parameters;
   throw std::runtime_error(fmt::format("min range {} m is not below max range {} m; no point would be used",
                                        lidar.min_range, lidar.max_range));

@@ -23,9 +23,8 @@ Octree gaussians_of_grid(const Points& centers, double edge) {
       return Gaussian{occupied.grid().center(at), Eigen::Matrix3d::Zero(), 1};
     };
     Gaussian around = point(key);
-    any_in_neighbourhood(key, [&](VoxelKey near) {
+    for_each_in_neighbourhood(key, [&](VoxelKey near) {
       if (near != key && occupied.find(near) != nullptr) around = merge(around, point(near));
-      return false;
     });
     around.covariance = floor_eigenvalues(around.covariance, edge * edge / (kThinnest * kThinnest));
     gaussians.find(key)->set_gaussian(around, occupied.grid().center(key));

@@ -7,9 +7,7 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <evermap/config/parameters_file.hpp>
@@ -201,10 +199,8 @@ void set(Field& field, [[maybe_unused]] const Limits& limits, const YamlValue& v
   } else if constexpr (std::is_same_v<Field, bool>) {
     field = value.truth();
   } else if constexpr (std::is_same_v<Field, Eigen::AlignedBox3d>) {
-    field.setEmpty();
-    if (value.is_list() && value.list().empty()) return;
-    const std::vector<double> v = value.numbers(6, 6, limits);
-    field.extend(Eigen::Vector3d(v[0], v[1], v[2])).extend(Eigen::Vector3d(v[3], v[4], v[5]));
+    if (value.is_list() && value.list().empty()) return field.setEmpty();
+    field = box_between(value.numbers(6, 6, limits));
   } else if constexpr (std::is_integral_v<Field>) {
     field = static_cast<Field>(value.whole(static_cast<int>(limits.least), static_cast<int>(limits.most)));
   } else {
@@ -227,6 +223,11 @@ void read_parameters(const std::filesystem::path& path, Parameters& parameters) 
   constexpr std::string_view kHint = "evermap config lists all";
   root.refuse_unknown(kHint);
   for (const auto& [name, section] : sections) section.refuse_unknown(kHint);
+}
+
+Eigen::AlignedBox3d box_between(const std::vector<double>& corners) {
+  Eigen::AlignedBox3d box(Eigen::Vector3d(corners[0], corners[1], corners[2]));
+  return box.extend(Eigen::Vector3d(corners[3], corners[4], corners[5]));
 }
 
 std::string to_yaml(const Parameters& parameters) {

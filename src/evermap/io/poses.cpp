@@ -40,9 +40,8 @@ StampedPose kitti_pose(const std::vector<double>& row, const TextLines& lines) {
 
 /// What 1 of a trajectory's times is [s].
 double unit_of(const std::vector<StampedPose>& poses) {
-  constexpr double kNever = 1e11;  // [s] since 1970, or since anything else
-  constexpr double kLongStep =
-      20;  // [s] from pose to pose; few poses follow each other in a thousandth of it
+  constexpr double kNever = 1e11;   // [s] since 1970, or since anything else
+  constexpr double kLongStep = 20;  // [s] from pose to pose; few follow each other in a thousandth of it
   std::vector<double> steps;
   for (std::size_t i = 1; i < poses.size(); ++i) steps.push_back(*poses[i].time - *poses[i - 1].time);
   if (steps.empty()) return 1;

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <string_view>
 #include <utility>
 
@@ -16,11 +15,9 @@ namespace {
 
 using Poses = std::vector<Pose>;
 
-/// p_camera = kAxes p_lidar, for a camera that looks along the LiDAR's x axis.
-const Pose& camera_axes() {
-  static const Pose T_camera_lidar{(Eigen::Matrix3d() << 0, -1, 0, 0, 0, -1, 1, 0, 0).finished(),
-                                   Eigen::Vector3d::Zero()};
-  return T_camera_lidar;
+/// T_camera_lidar of a camera in the LiDAR's place that looks along its x axis.
+Pose camera_axes() {
+  return {(Eigen::Matrix3d() << 0, -1, 0, 0, 0, -1, 1, 0, 0).finished(), Eigen::Vector3d::Zero()};
 }
 
 Pose of_camera(const Poses& poses, std::size_t scan) { return poses[scan] * camera_axes(); }
@@ -54,14 +51,17 @@ struct Mistake {
   Pose (*mended)(const Poses&, std::size_t scan);
   std::string_view words;
 };
+constexpr std::string_view kOfACamera =
+    "they are of a camera, whose z axis looks ahead; give those of the LiDAR";
+constexpr std::string_view kAScanApart = "they are a scan early or late";
 constexpr std::array<Mistake, 8> kMistakes = {{
-    {of_camera, "they are of a camera, whose z axis looks ahead; give those of the LiDAR"},
-    {of_camera_from_its_first, "they are of a camera, whose z axis looks ahead; give those of the LiDAR"},
+    {of_camera, kOfACamera},
+    {of_camera_from_its_first, kOfACamera},
     {inverted, "they map from the map to the sensor; give their inverse"},
     {with_w_last, "their quaternions begin with w; write qx qy qz qw"},
     {mirrored, "their y axis points the other way than that of the scans"},
-    {of_scan_before, "they are a scan early or late"},
-    {of_scan_after, "they are a scan early or late"},
+    {of_scan_before, kAScanApart},
+    {of_scan_after, kAScanApart},
     {sorted_as_numbers, "they, or the scans, were sorted by name, 10 before 2"},
 }};
 

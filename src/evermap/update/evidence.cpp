@@ -86,22 +86,14 @@ bool is_reobserved(VoxelKey key, const Gaussian& leaf, const Plane& plane, const
 /// The plane in which a leaf and those around it lie together.
 Plane plane_around(const Octree& octree, VoxelKey key) {
   constexpr int kLeast = 4;  // leaves; fewer lie in a plane anyhow
-  const Eigen::Vector3d middle = octree.grid().center(key);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-  int count = 0;
+  Gaussian around;
   for_each_in_neighbourhood(key, [&](VoxelKey near) {
     const Leaf* leaf = octree.find(near);
     if (leaf == nullptr || !leaf->occupied()) return;
     const Gaussian surface = octree.gaussian(near, *leaf);
-    const Eigen::Vector3d p = surface.mean - middle;
-    sum += p;
-    squares += surface.covariance + p * p.transpose();
-    ++count;
+    around = merge(around, {surface.mean, surface.covariance, 1});  // each leaf as much as another
   });
-  if (count < kLeast) return {};
-  const Eigen::Vector3d mean = sum / count;
-  return plane_of({mean, squares / count - mean * mean.transpose(), static_cast<double>(count)});
+  return around.count < kLeast ? Plane{} : plane_of(around);
 }
 
 /// Whether the ray goes through the plane within `reach` [m] of this point on it.
