@@ -37,10 +37,11 @@ void finish(const BuildOptions& options, const Octree& octree, const RunReport& 
 }
 
 void build_from_poses(const BuildOptions& options, const Parameters& parameters) {
-  PosedScans scans(options.run.scans, options.run.poses, options.run.cloud);
+  PosedScans scans(options.run.scans, options.run.poses, parameters.lidar.scan_period, options.run.reading);
   const VoxelGrid grid = VoxelGrid::around(scans.first_pose().translation, options.leaf);
   MapMaintainer maintainer(Octree(grid), parameters, MapMode::kMapping);
-  const Run run = run_over(scans, options.run.threads, maintainer);
+  PoseCheck check(Octree(grid), parameters.lidar, scans.poses());
+  const Run run = run_over(scans, options.run.threads, maintainer, check_poses(check, options.run));
   finish(options, maintainer.map(), run);
 }
 
@@ -48,7 +49,7 @@ void build_from_poses(const BuildOptions& options, const Parameters& parameters)
 void build_without_poses(const BuildOptions& options, const Parameters& parameters) {
   LocalizedScans scans = options.odometry;
   scans.scans = options.run.scans;
-  scans.cloud = options.run.cloud;
+  scans.reading = options.run.reading;
   scans.threads = options.run.threads;
   MapMaintainer maintainer(Octree(VoxelGrid{.edge = options.leaf}), parameters, MapMode::kMapping);
   const LocalizedRun run = localize_scans(scans, maintainer, parameters.lidar.scan_period);

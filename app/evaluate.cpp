@@ -53,7 +53,7 @@ DriveScore score_drive(const Octree& octree, PosedScans& scans,
 void score_map(const EvaluateOptions& options) {
   const Octree octree = load_map(options.map);
   const auto boxes = read_labelled_boxes(options.boxes);
-  PosedScans scans(options.scans, options.poses);
+  PosedScans scans(options.scans, options.poses.string(), LidarParameters{}.scan_period);
   const DriveScore score = score_drive(octree, scans, boxes);
   if (options.as_json) {
     fmt::print("{}", dump({{"static_kept", score.all_static.value()},

@@ -79,7 +79,8 @@ void run_import(const ImportOptions& options) {
 void add_import(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("import", "Make a map from a point cloud, all of which is trusted");
   const auto options = std::make_shared<ImportOptions>();
-  verb->add_option("CLOUD", options->cloud, "Cloud in the map frame: .bin, .pcd or .ply")->required();
+  verb->add_option("CLOUD", options->cloud, "Cloud in the map frame: " + std::string(kCloudExtensions))
+      ->required();
   verb->add_option("-o,--output", options->map, "Map to write")->required()->type_name("MAP.evm");
   add_bin_fields_option(*verb, options->reading);
   verb->add_flag("--ignore-viewpoint", options->reading.ignore_viewpoint,

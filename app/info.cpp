@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 
+#include "bag_info.hpp"
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
@@ -73,6 +74,10 @@ void print_text(const InfoOptions& options, const Octree& octree) {
 }
 
 void run_info(const InfoOptions& options) {
+  if (is_bag(options.map)) {
+    print_bag_info(options.map, options.as_json);
+    return;
+  }
   const Octree octree = load_map(options.map);
   options.as_json ? print_json(options, octree) : print_text(options, octree);
 }
@@ -80,9 +85,10 @@ void run_info(const InfoOptions& options) {
 }  // namespace
 
 void add_info(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("info", "Check a map and say what is in it");
+  CLI::App* verb = app.add_subcommand("info", "Check a map, or a bag, and say what is in it");
   const auto options = std::make_shared<InfoOptions>();
-  verb->add_option("MAP.evm", options->map, "Map to read")->required();
+  verb->add_option("FILE", options->map, "Map (.evm) or bag (.bag, .db3, .mcap, or their folder) to read")
+      ->required();
   add_json_option(*verb, options->as_json);
   verb->callback([options] { run_info(*options); });
 }

@@ -94,8 +94,7 @@ void add_localize(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("localize", "Find the poses of scans in a map, and keep it up to date");
   const auto options = std::make_shared<LocalizeOptions>();
   verb->add_option("MAP.evm", options->map, "Map to localize in")->required();
-  verb->add_option("SCANS", options->scans.scans, "Folder of .bin, .pcd or .ply files, or one of them")
-      ->required();
+  add_scans_options(*verb, options->scans.scans, options->scans.reading);
   verb->add_option("-o,--output", options->poses, "Poses to write (TUM), of the scans whose pose is believed")
       ->required()
       ->type_name("POSES.txt");
@@ -111,7 +110,6 @@ void add_localize(CLI::App& app) {
       ->default_str(fmt::format("{}", RelocationParameters{}.reach));
   verb->add_option("--states", options->states, "What was thought of each scan, and why, to write (CSV)")
       ->type_name("FILE.csv");
-  add_bin_fields_option(*verb, options->scans.cloud);
   add_odometry_options(*verb, options->scans);
   verb->add_flag("--maintain", options->maintain, "Update the map with scans whose pose is believed");
   verb->add_option("--map-out", options->map_out,

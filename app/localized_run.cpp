@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <string_view>
 
@@ -18,32 +20,6 @@
 
 namespace evermap {
 namespace {
-
-/// When each scan ended, and where the odometry saw it.
-class ScanOdometry {
- public:
-  ScanOdometry(const LocalizedScans& options, std::size_t scans, double scan_period)
-      : rate_(1 / scan_period) {
-    if (options.odometry.empty()) return;
-    poses_ = read_trajectory(options.odometry);
-    if (poses_.size() == scans) return;
-    throw FileError(options.odometry,
-                    fmt::format("has {} poses for the {} scans of {}; give one pose for each scan",
-                                poses_.size(), scans, options.scans.string()));
-  }
-  double time(std::size_t scan) const {
-    const bool is_timed = !poses_.empty() && poses_[scan].time;
-    return is_timed ? *poses_[scan].time : static_cast<double>(scan + 1) / rate_;
-  }
-  // NOLINTNEXTLINE(readability-identifier-naming): poses are named by their frames.
-  std::optional<Pose> T_odom_sensor(std::size_t scan) const {
-    return poses_.empty() ? std::nullopt : std::optional(poses_[scan].T_map_sensor);
-  }
-
- private:
-  double rate_;
-  std::vector<StampedPose> poses_;
-};
 
 void record(LocalizedRun& run, double time, const ScanResult& result) {
   spdlog::debug("scan {}: {} {}, {:.0f} % inliers, residual {:.2f}, {:.0f} % of the rays contradict the map",
@@ -80,9 +56,12 @@ std::string_view advice(RejectReason reason) {
 }  // namespace
 
 void add_odometry_options(CLI::App& verb, LocalizedScans& options) {
-  verb.add_option("--odometry", options.odometry,
-                  "Poses of the sensor in a frame that may drift, one per scan (TUM or KITTI)")
-      ->type_name("FILE");
+  verb.add_option(
+          "--odometry", options.odometry,
+          "Poses of the sensor in a frame that may drift: a file (TUM or KITTI), or a topic or a frame "
+          "of the bag, or none")
+      ->type_name("FILE|TOPIC|FRAME")
+      ->default_str("the frame odom of a bag, if there is one");
   verb.add_option("--rate", options.rate, "Scans per second")
       ->check(CLI::Range(0.1, 1000.0))
       ->type_name("HZ")
@@ -90,15 +69,39 @@ void add_odometry_options(CLI::App& verb, LocalizedScans& options) {
 }
 
 LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& maintainer, double scan_period) {
-  ScanSource scans(options.scans, options.cloud);
-  const ScanOdometry odometry(options, scans.size(), scan_period);
+  ScanOptions reading = options.reading;
+  ScanPoses odometry = options.odometry.empty()     ? ScanPoses::odometry_of(options.scans, reading)
+                       : options.odometry == "none" ? ScanPoses("", options.scans, reading)
+                                                    : ScanPoses(options.odometry, options.scans, reading);
+  const std::unique_ptr<ScanSource> scans = open_scans(options.scans, reading);
   LocalizedRun result;
-  result.run = run_over(scans.size(), options.threads, [&](const TakeScan& take) {
-    const Scan scan = scans.next().value();
-    const std::size_t index = result.scans.size();
-    const double time = odometry.time(index);
-    record(result, time, take([&] { return maintainer.process(scan, time, odometry.T_odom_sensor(index)); }));
+  std::size_t backwards = 0;
+  bool is_matched = false;
+  double time = -std::numeric_limits<double>::infinity();
+  result.run = run_over(scans->size(), options.threads, [&](const TakeScan& take) {
+    const std::optional<Scan> scan = scans->next();
+    if (!scan) return false;
+    if (!std::exchange(is_matched, true)) odometry.match(*scans, options.scans, *scan);
+    const double by_count = static_cast<double>(scans->index() + 1) * scan_period;
+    const double now = scan->time.value_or(odometry.time(*scans).value_or(by_count));
+    const std::optional<Pose> T_odom_sensor = odometry.end_of(*scan, *scans);
+    if (now <= time) {
+      ++backwards;
+      return true;
+    }
+    time = now;
+    result.with_odometry += T_odom_sensor ? 1 : 0;
+    record(result, time, take([&] { return maintainer.process(*scan, time, T_odom_sensor); }));
+    return true;
   });
+  for (const std::string& remark : scans->remarks()) spdlog::warn("{}: {}", options.scans.string(), remark);
+  if (backwards > 0) {
+    spdlog::warn("{}: {} scans are not later than the one before by their stamps; they were left out",
+                 options.scans.string(), backwards);
+  }
+  if (!options.odometry.empty() && !odometry.empty() && result.with_odometry == 0 && !result.scans.empty()) {
+    throw FileError(options.scans, options.odometry + " tells no pose at the time of any scan");
+  }
   if (!options.odometry.empty() && result.is_hardly_tracked()) {
     throw FileError(
         options.odometry,
@@ -157,6 +160,7 @@ Json to_json(const LocalizedRun& run) {
   Json json = {{"states", states},
                {"rejections", rejections},
                {"rolled_back", run.rolled_back},
+               {"with_odometry", run.with_odometry},
                {"way", {{"length", all}, {"tracked", believed}}}};
   json.update(to_json(run.run));
   return json;
@@ -184,6 +188,7 @@ std::string to_text(const LocalizedRun& run) {
         fmt::format("         {} tracked but not written: a direction of their pose was known too badly\n",
                     run.count(TrackingState::kTracking) - written);
   }
+  if (run.with_odometry > 0) text += fmt::format("odometry for {} scans\n", run.with_odometry);
   if (run.rolled_back > 0)
     text += fmt::format("         the changes of {} scans were rolled back\n", run.rolled_back);
   return text + to_text(run.run);

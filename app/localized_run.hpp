@@ -23,9 +23,8 @@ namespace evermap {
 /// Scans whose poses are to be found.
 struct LocalizedScans {
   std::filesystem::path scans;
-  CloudOptions cloud;
-  std::filesystem::path
-      odometry;                ///< one pose of the sensor for each scan, in any frame; empty when not given
+  ScanOptions reading;
+  std::string odometry;        ///< poses of the sensor in any frame: a file, or a topic or frame of a bag
   std::optional<double> rate;  ///< [Hz] scans per second, when not the parameters' scan_period
   int threads = 0;             ///< 0: one per core
 };
@@ -39,6 +38,7 @@ struct LocalizedRun {
   std::vector<std::pair<double, ScanResult>> scans;  ///< time [s] and result of every scan
   std::array<std::size_t, 4> states{};               ///< scans by TrackingState
   std::map<RejectReason, std::size_t> rejections;    ///< scans that were not believed or not written
+  std::size_t with_odometry = 0;                     ///< scans whose pose the odometry told
   std::size_t rolled_back = 0;                       ///< scans whose changes were undone
 
   bool is_lost() const { return !scans.empty() && scans.back().second.state == TrackingState::kLost; }

@@ -60,12 +60,36 @@ void add_bin_fields_option(CLI::App& verb, CloudOptions& options) {
       ->default_str("told by the file");
 }
 
+void add_scans_options(CLI::App& verb, std::filesystem::path& scans, ScanOptions& reading) {
+  verb.add_option("SCANS", scans,
+                  "Bag (.bag, .db3, .mcap, or their folder), folder of clouds (.bin, .pcd, .ply ...), or one")
+      ->required();
+  verb.add_option("--topic", reading.topic, "Point clouds of a bag to use")
+      ->type_name("TOPIC")
+      ->default_str("the only one");
+  verb.add_option("--start", reading.selection.start,
+                  "Leave out what was recorded before, counted from the first scan")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("S")
+      ->capture_default_str();
+  verb.add_option("--duration", reading.selection.duration, "Stop that long after --start")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("S")
+      ->default_str("to the end");
+  verb.add_option("--every", reading.selection.every, "Use each n-th scan")
+      ->check(CLI::Range(1, 1000000))
+      ->type_name("N")
+      ->capture_default_str();
+  add_bin_fields_option(verb, reading.cloud);
+}
+
 void add_run_options(CLI::App& verb, RunOptions& options) {
-  verb.add_option("SCANS", options.scans, "Folder of .bin, .pcd or .ply files, or one of them")->required();
-  verb.add_option("--poses", options.poses, "Poses of the sensor in the map, one per scan (TUM or KITTI)")
+  add_scans_options(verb, options.scans, options.reading);
+  verb.add_option("--poses", options.poses,
+                  "Poses of the sensor in the map: a file (TUM or KITTI), or a topic or a frame of the bag")
       ->required()
-      ->type_name("FILE");
-  add_bin_fields_option(verb, options.cloud);
+      ->type_name("FILE|TOPIC|FRAME");
+  verb.add_flag("--force", options.is_forced, "Go on even if the scans do not fit together by these poses");
   add_threads_option(verb, options.threads);
 }
 

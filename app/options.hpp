@@ -9,7 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include <evermap/io/cloud.hpp>
+#include <evermap/bags/scan_bag.hpp>
 #include <evermap/maintenance/parameters.hpp>
 
 namespace evermap {
@@ -34,10 +34,13 @@ void add_bin_fields_option(CLI::App& verb, CloudOptions& options);
 /// The scans that a verb works through, and with how many threads.
 struct RunOptions {
   std::filesystem::path scans;
-  CloudOptions cloud;
-  std::filesystem::path poses;
-  int threads = 0;  ///< 0: one per core
+  ScanOptions reading;
+  std::string poses;       ///< a file, or a topic or frame of a bag
+  bool is_forced = false;  ///< use the poses even if they do not fit
+  int threads = 0;         ///< 0: one per core
 };
+/// SCANS, --topic, --bin-fields.
+void add_scans_options(CLI::App& verb, std::filesystem::path& scans, ScanOptions& reading);
 void add_run_options(CLI::App& verb, RunOptions& options);
 void add_threads_option(CLI::App& verb, int& threads);
 

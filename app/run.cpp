@@ -41,7 +41,7 @@ void check_any_used(const ScanResult::PointCounts& points, const std::filesystem
                                     points.total, dropped_in_words(points)));
 }
 
-Run run_over(std::size_t scans, int threads, const std::function<void(const TakeScan& take)>& next) {
+Run run_over(std::size_t scans, int threads, const std::function<bool(const TakeScan& take)>& next) {
   std::signal(SIGINT, request_stop);
   std::signal(SIGTERM, request_stop);
   const int count = threads > 0 ? threads : oneapi::tbb::info::default_concurrency();
@@ -63,32 +63,42 @@ Run run_over(std::size_t scans, int threads, const std::function<void(const Take
     return result;
   };
   arena.execute([&] {
-    while (run.scans_done < scans && !g_stop_requested) {
-      next(take);
-      bar.show(++run.scans_done);
-    }
+    while (!g_stop_requested && next(take)) bar.show(std::min(++run.scans_done, scans));
   });
+  run.was_interrupted = g_stop_requested != 0 && run.scans_done < scans;
   return run;
 }
 
 Run run_over(PosedScans& scans, int threads, MapMaintainer& maintainer, const LookAtScan& look) {
-  std::filesystem::path last;
-  std::size_t index = 0;
+  std::string last;
   Run run = run_over(scans.size(), threads, [&](const TakeScan& take) {
-    const PosedScan posed = scans.next().value();
-    last = posed.file;
-    const ScanResult result = take([&] { return maintainer.process(posed.scan, posed.T_map_sensor); });
+    const std::optional<PosedScan> posed = scans.next();
+    if (!posed) return false;
+    last = posed->place;
+    const ScanResult result =
+        take([&] { return maintainer.process(posed->scan, posed->T_map_sensor, posed->T_map_sensor_begin); });
     if (result.reject_reason == RejectReason::kNone) {
-      spdlog::debug("{}: {} points used, {:.1f} % of the rays contradict the map", posed.file.string(),
-                    result.points.used, 100 * result.contradicting_fraction.value_or(0));
+      spdlog::debug("{}: {} points used, {:.1f} % of the rays contradict the map", last, result.points.used,
+                    100 * result.contradicting_fraction.value_or(0));
     } else {
-      spdlog::warn("{}: skipped, it {}", posed.file.string(), to_string(result.reject_reason));
+      spdlog::warn("{}: skipped, it {}", last, to_string(result.reject_reason));
     }
-    if (look) look(index, posed.scan, result);
-    ++index;
+    if (look) look(*posed, result);
+    return true;
   });
-  if (!run.was_interrupted()) check_any_used(run.points, last);
+  for (const std::string& remark : scans.remarks()) spdlog::warn(remark);
+  if (!run.was_interrupted) check_any_used(run.points, last);
   return run;
+}
+
+LookAtScan check_poses(PoseCheck& check, const RunOptions& options) {
+  return [&](const PosedScan& posed, const ScanResult& result) {
+    check.note(posed.index, posed.T_map_sensor);
+    if (options.is_forced || !result.is_written || !check.wants(posed.index)) return;
+    check.add(posed.index, posed.scan, result.contradicting_fraction.value_or(0));
+    const std::string verdict = check.verdict();
+    if (!verdict.empty()) throw FileError(options.poses, verdict + "; --force goes on all the same");
+  };
 }
 
 }  // namespace evermap

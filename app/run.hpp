@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "options.hpp"
 #include "posed_scans.hpp"
+#include <evermap/maintenance/detail/pose_check.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
 
 namespace evermap {
@@ -23,24 +25,26 @@ void check_any_used(const ScanResult::PointCounts& points, const std::filesystem
 struct Run {
   std::size_t scans_done = 0;
   std::size_t scans_total = 0;
+  bool was_interrupted = false;
   std::size_t scans_empty = 0;  ///< without any usable point; nothing came of them
   ScanResult::PointCounts points;
   std::vector<double> wall;  ///< [s] per scan, without reading its file
   std::vector<double> cpu;   ///< [s] per scan, of all threads together
-
-  bool was_interrupted() const { return scans_done < scans_total; }
 };
 
-/// Works through a sequence of scans in an arena of that many threads (0: one per core), with a progress bar:
-/// calls `next` until it has taken the last scan, or SIGINT or SIGTERM came; the scan in hand is always
-/// finished. `next` reads a scan and hands its argument the work on it, which is timed.
+/// Works through a sequence of `scans` scans in an arena of that many threads (0: one per core), with a
+/// progress bar: calls `next` until it says that there was none, or SIGINT or SIGTERM came; the scan in hand
+/// is always finished. `next` reads a scan and hands its argument the work on it, which is timed.
 using Work = std::function<ScanResult()>;
 using TakeScan = std::function<ScanResult(const Work& work)>;
-Run run_over(std::size_t scans, int threads, const std::function<void(const TakeScan& take)>& next);
+Run run_over(std::size_t scans, int threads, const std::function<bool(const TakeScan& take)>& next);
 
 /// Gives the maintainer all scans with their poses, and shows each to `look`, if there is one. Throws
 /// FileError when a scan cannot be read, or when no point of any scan could be used.
-using LookAtScan = std::function<void(std::size_t index, const Scan& scan, const ScanResult& result)>;
+using LookAtScan = std::function<void(const PosedScan& posed, const ScanResult& result)>;
 Run run_over(PosedScans& scans, int threads, MapMaintainer& maintainer, const LookAtScan& look = {});
+
+/// Shows scans to the check, which stops the run by FileError once it knows what is wrong with the poses.
+LookAtScan check_poses(PoseCheck& check, const RunOptions& options);
 
 }  // namespace evermap

@@ -9,11 +9,9 @@
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
-#include <evermap/files/file_error.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
 #include <evermap/io/detail/map_undo.hpp>
 #include <evermap/io/map_file.hpp>
-#include <evermap/maintenance/detail/pose_check.hpp>
 
 namespace evermap {
 namespace {
@@ -25,7 +23,6 @@ struct UpdateOptions {
   ParameterOptions parameters;
   std::filesystem::path report;  ///< folder; empty when not asked for
   bool undo_log = false;
-  bool is_forced = false;
   bool as_json = false;
 };
 
@@ -42,25 +39,18 @@ void write_report(const std::filesystem::path& folder, const ChangeReport& repor
   file.write(dump(to_json(report)));
   file.commit();
   // Whoever interrupts waits for the end: of a large map, pictures take longer than saving it.
-  if (!report.run.was_interrupted()) write_pictures(folder, before, after, report.difference);
+  if (!report.run.was_interrupted) write_pictures(folder, before, after, report.difference);
 }
 
 void run_update(const UpdateOptions& options) {
   const Parameters parameters = parameters_of(options.parameters);
   prepare_outputs(options);
-  PosedScans scans(options.run.scans, options.run.poses, options.run.cloud);
+  PosedScans scans(options.run.scans, options.run.poses, parameters.lidar.scan_period, options.run.reading);
   MapMaintainer maintainer(load_map(options.map), parameters);
   const Octree before = maintainer.map();
   spdlog::info("{}: {} leaves", options.map.string(), before.leaf_count());
   PoseCheck check(before, parameters.lidar, scans.poses());
-  const auto look = [&](std::size_t index, const Scan& scan, const ScanResult& result) {
-    if (options.is_forced || !check.wants(index) || !result.is_written) return;
-    check.add(index, scan, result.contradicting_fraction.value_or(0));
-    const std::string verdict = check.verdict();
-    if (!verdict.empty())
-      throw FileError(options.run.poses, verdict + "; --force updates the map all the same");
-  };
-  const Run run = run_over(scans, options.run.threads, maintainer, look);
+  const Run run = run_over(scans, options.run.threads, maintainer, check_poses(check, options.run));
   const Octree octree = maintainer.map();
   if (options.undo_log) keep_for_undo(options.output);
   save_map(options.output, octree);
@@ -86,7 +76,6 @@ void add_update(CLI::App& app) {
   verb->add_option("--report", options->report,
                    "Folder for report.json and pictures of before, after and the change")
       ->type_name("DIR");
-  verb->add_flag("--force", options->is_forced, "Update the map even if the poses do not fit it");
   add_undo_log_option(*verb, options->undo_log);
   add_json_option(*verb, options->as_json);
   verb->callback([options] { run_update(*options); });

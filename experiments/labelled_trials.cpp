@@ -7,7 +7,7 @@
 
 #include <evermap/evaluation/map_claims.hpp>
 #include <evermap/io/detail/labelled_boxes.hpp>
-#include <evermap/io/scan_source.hpp>
+#include <evermap/io/detail/scan_folder.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
 
 namespace evermap {
@@ -26,7 +26,7 @@ Parameters parameters_for(const UpdateParameters& update) {
 
 DriveTrial::DriveTrial(const std::filesystem::path& folder, std::size_t scans)
     : boxes_(read_labelled_boxes(folder / "boxes_velo.csv")) {
-  PosedScans source(folder / "scans", folder / "poses_kitti.txt");
+  PosedScans source(folder / "scans", (folder / "poses_kitti.txt").string(), LidarParameters{}.scan_period);
   while (scans_.size() < scans) {
     auto posed = source.next();
     if (!posed) break;
@@ -52,7 +52,7 @@ DriveScore DriveTrial::run(double edge, const UpdateParameters& update) const {
 }
 
 RedlightTrial::RedlightTrial(const std::filesystem::path& folder) {
-  ScanSource source(folder / "scans");
+  ScanFolder source(folder / "scans");
   while (auto scan = source.next()) scans_.push_back(std::move(*scan));
   if (scans_.size() < kUpdated + kBuilt) throw std::runtime_error(folder.string() + ": has too few scans");
   scans_.erase(scans_.begin(), scans_.end() - kUpdated - kBuilt);

@@ -270,7 +270,7 @@ class Outdating {
 }  // namespace
 
 OutdatedDrive::OutdatedDrive(const std::filesystem::path& folder, std::size_t scans) {
-  PosedScans source(folder / "scans", folder / "poses_kitti.txt");
+  PosedScans source(folder / "scans", (folder / "poses_kitti.txt").string(), LidarParameters{}.scan_period);
   const Boxes boxes = read_labelled_boxes(folder / "boxes_velo.csv");
   while (scans_.size() < scans) {
     auto posed = source.next();

@@ -11,7 +11,7 @@
 
 #include <evermap/evaluation/labelled_drive.hpp>
 #include <evermap/geometry/voxel_key.hpp>
-#include <evermap/io/scan_source.hpp>
+#include <evermap/io/detail/scan_folder.hpp>
 
 namespace evermap {
 namespace {
@@ -75,7 +75,7 @@ Parts parts_of(const Points& points, std::vector<bool>::const_iterator transient
 }  // namespace
 
 RedlightDataset::RedlightDataset(const std::filesystem::path& folder) {
-  ScanSource source(folder / "scans");
+  ScanFolder source(folder / "scans");
   while (auto scan = source.next()) scans_.push_back({std::move(*scan), Pose{}});
   if (scans_.size() < kScans) throw std::runtime_error(folder.string() + ": has too few scans");
   scans_.erase(scans_.begin(), scans_.end() - kScans);

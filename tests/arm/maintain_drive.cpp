@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include <evermap/io/detail/scan_folder.hpp>
 #include <evermap/io/map_file.hpp>
 #include <evermap/io/poses.hpp>
-#include <evermap/io/scan_source.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
 
 using namespace evermap;
@@ -23,7 +23,7 @@ void maintain(const std::filesystem::path& survey, const std::filesystem::path& 
               const std::string& out) {
   const std::vector<StampedPose> truth = read_poses(drive / "poses.txt").poses;
   MapMaintainer maintainer(load_map(survey), {}, MapMode::kMaintenance, truth.at(0).T_map_sensor);
-  ScanSource scans(drive / "scans");
+  ScanFolder scans(drive / "scans");
   std::vector<StampedPose> poses;
   std::size_t written = 0;
   while (const std::optional<Scan> scan = scans.next()) {

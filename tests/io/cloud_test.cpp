@@ -5,7 +5,7 @@
 
 #include "io/cloud_samples.hpp"
 #include <evermap/io/cloud.hpp>
-#include <evermap/io/scan_source.hpp>
+#include <evermap/io/detail/scan_folder.hpp>
 
 namespace evermap {
 namespace {
@@ -26,8 +26,8 @@ TEST_F(CloudTest, FormatFollowsFromTheExtension) {
 }
 
 TEST_F(CloudTest, UnknownExtensionsAreAnsweredWithTheKnown) {
-  file_error(make("a.las", "x"), ".bin (KITTI), .pcd and .ply", [&] { read_cloud(path("a.las")); });
-  file_error("none", ".bin (KITTI), .pcd and .ply", [] { read_cloud("none"); });
+  file_error(make("a.e57", "x"), ".bin (KITTI), .pcd, .ply, .las", [&] { read_cloud(path("a.e57")); });
+  file_error("none", ".bin (KITTI), .pcd, .ply, .las", [] { read_cloud("none"); });
 }
 
 /// What must hold of a scan whatever the file was.
@@ -159,7 +159,7 @@ TEST_F(RealCloudTest, BinaryPcd) {
 TEST_F(RealCloudTest, KittiScans) {
   const std::filesystem::path folder = data("kitti_redlight_standstill/scans");
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
-  ScanSource source(folder);
+  ScanFolder source(folder);
   EXPECT_EQ(source.size(), 27U);
   const Scan scan = source.next().value();
   EXPECT_EQ(scan.p_sensor.size() + scan.dropped_at_origin, std::filesystem::file_size(source.file(0)) / 16);

@@ -27,7 +27,7 @@ TEST(PointTime, WhatIsNoSweepInAnyUnitKeepsTheTypesUnit) {
 }
 
 TEST(PointTime, IsDescribedInOneLine) {
-  EXPECT_EQ((PointTime{"timestamp", Scalar::kFloat64, 1e-9, 0.09984}.describe()),
+  EXPECT_EQ((PointTime{"timestamp", Scalar::kFloat64, 1e-9, 0, 0.09984}.describe()),
             "field 'timestamp' (float64) in nanoseconds, 0.0998 s from first to last");
 }
 

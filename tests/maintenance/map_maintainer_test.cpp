@@ -7,10 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "localization/worlds.hpp"
 #include <evermap/maintenance/map_maintainer.hpp>
+#include <evermap/map/map_difference.hpp>
 #include <evermap/update/detail/map_updater.hpp>
 #include <evermap/update/detail/viewpoint.hpp>
 
@@ -76,6 +78,31 @@ std::size_t occupied_leaves(const Octree& octree) {
   std::size_t count = 0;
   octree.for_each_leaf([&](VoxelKey, const Leaf& leaf) { count += leaf.occupied() ? 1U : 0U; });
   return count;
+}
+
+TEST_F(MapMaintainerTest, UndoesTheMotionBetweenGivenPoses) {
+  const Pose T_map_begin = at(0.3);
+  Pose T_map_end = at(1.1);  // 8 m/s, and turning
+  T_map_end.rotation = Eigen::AngleAxisd(0.1, Vector3d::UnitZ()).toRotationMatrix();
+  const Scan still = look(with_wall_, T_map_end);
+  const Twist motion = log(T_map_begin.inverse() * T_map_end);
+  Scan raw;
+  for (std::size_t i = 0; i < still.p_sensor.size(); ++i) {
+    const double fraction = static_cast<double>(i + 1) / static_cast<double>(still.p_sensor.size());
+    raw.p_sensor.push_back(exp((1 - fraction) * motion) * still.p_sensor[i]);
+    raw.time_offset.push_back(static_cast<float>(0.1 * fraction));
+  }
+  const auto leaves_of = [&](const Scan& scan, const std::optional<Pose>& T_map_sensor_begin) {
+    MapMaintainer mapper(Octree(VoxelGrid{0.2}), {}, MapMode::kMapping);
+    mapper.process(scan, T_map_end, T_map_sensor_begin);
+    return mapper.map();
+  };
+  const Octree expected = leaves_of(still, std::nullopt);
+  const MapDifference mended = compare(expected, leaves_of(raw, T_map_begin));
+  const MapDifference distorted = compare(expected, leaves_of(raw, std::nullopt));
+  const auto wrong = [](const MapDifference& d) { return d.added.size() + d.removed.size(); };
+  EXPECT_LT(wrong(mended), expected.leaf_count() / 100);
+  EXPECT_GT(wrong(distorted), expected.leaf_count() / 4);
 }
 
 TEST_F(MapMaintainerTest, TellsWhatChanged) {

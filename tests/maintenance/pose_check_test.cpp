@@ -39,6 +39,14 @@ class PoseCheckTest : public ::testing::Test {
     }
     return check.verdict();
   }
+  /// The same when the scans make a map.
+  std::string verdict_of_build(const Poses& poses) const {
+    PoseCheck check(Octree(VoxelGrid{0.4}), {}, poses);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (check.wants(i)) check.add(i, scans_[i], 0);
+    }
+    return check.verdict();
+  }
   template <class Change>
   Poses changed(Change&& change) const {
     Poses poses = poses_;
@@ -68,6 +76,19 @@ TEST_F(PoseCheckTest, NothingIsSaidAgainstPosesThatFit) {
               return Pose{pose.rotation, pose.translation + random_.in_cube(0.05)};
             })),
             "");
+}
+
+TEST_F(PoseCheckTest, ScansThatMakeAMapAreToLieOnEachOther) {
+  EXPECT_EQ(verdict_of_build(poses_), "");
+  const Pose T_camera_lidar{(Eigen::Matrix3d() << 0, -1, 0, 0, 0, -1, 1, 0, 0).finished(), Vector3d::Zero()};
+  const std::string of_camera = verdict_of_build(changed([&](const Pose& pose) {
+    return poses_.front() * T_camera_lidar * (poses_.front().inverse() * pose) * T_camera_lidar.inverse();
+  }));
+  EXPECT_NE(of_camera.find("do not lie on each other"), std::string::npos) << of_camera;
+  EXPECT_NE(of_camera.find("of a camera"), std::string::npos) << of_camera;
+  const std::string inverse = verdict_of_build(changed([](const Pose& pose) { return pose.inverse(); }));
+  EXPECT_NE(inverse.find("give their inverse"), std::string::npos) << inverse;
+  EXPECT_EQ(verdict_of_build(Poses(poses_.size(), poses_.front())), "");  // it may have stood
 }
 
 TEST_F(PoseCheckTest, NothingIsSaidAgainstADriveBesideTheMap) {

@@ -68,6 +68,12 @@ void InputStream::open() {
   size_ = static_cast<std::uint64_t>(status.st_size);
 }
 
+void InputStream::seek(std::uint64_t position) {
+  if (::lseek(descriptor_, static_cast<off_t>(position), SEEK_SET) < 0)
+    fail(path_, "cannot be read: " + reason(errno));
+  position_ = position;
+}
+
 void InputStream::append_to(std::string& buffer, std::uint64_t size) {
   const std::size_t before = buffer.size();
   grow(buffer, size, path_);

@@ -102,8 +102,8 @@ Scan read_bin(const std::filesystem::path& path, std::optional<std::size_t> fiel
         "the last point has " + std::to_string(incomplete) + " of " + std::to_string(point_size) +
             " bytes; copy the file again, or say with --bin-fields how many values a point has");
   }
-  ScanBuilder builder(file, layout);
-  builder.add_records(0, file.bytes().size() / point_size, std::endian::little);
+  ScanBuilder builder(path, layout);
+  builder.add_records(file.bytes(), 0, file.bytes().size() / point_size, std::endian::little);
   Scan scan = builder.finish(notes);
   if (notes != nullptr) notes->bin_fields = count;
   return scan;

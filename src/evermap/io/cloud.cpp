@@ -8,8 +8,11 @@
 #include <evermap/files/file_error.hpp>
 #include <evermap/io/cloud.hpp>
 #include <evermap/io/detail/bin.hpp>
+#include <evermap/io/detail/las.hpp>
+#include <evermap/io/detail/npy.hpp>
 #include <evermap/io/detail/pcd.hpp>
 #include <evermap/io/detail/ply.hpp>
+#include <evermap/io/detail/text_cloud.hpp>
 
 namespace evermap {
 namespace {
@@ -30,8 +33,24 @@ Scan read_pcd_cloud(const std::filesystem::path& path, const CloudOptions& optio
 Scan read_ply_cloud(const std::filesystem::path& path, const CloudOptions&, CloudNotes* notes) {
   return read_ply(path, notes);
 }
-constexpr std::array<Format, 3> kFormats = {
-    {{".bin", read_bin_cloud}, {".pcd", read_pcd_cloud}, {".ply", read_ply_cloud}}};
+Scan read_las_cloud(const std::filesystem::path& path, const CloudOptions&, CloudNotes* notes) {
+  return read_las(path, notes);
+}
+Scan read_npy_cloud(const std::filesystem::path& path, const CloudOptions&, CloudNotes* notes) {
+  return read_npy(path, notes);
+}
+Scan read_any_text(const std::filesystem::path& path, const CloudOptions&, CloudNotes* notes) {
+  return read_text_cloud(path, notes);
+}
+constexpr std::array<Format, 9> kFormats = {{{".bin", read_bin_cloud},
+                                             {".pcd", read_pcd_cloud},
+                                             {".ply", read_ply_cloud},
+                                             {".las", read_las_cloud},
+                                             {".laz", read_las_cloud},
+                                             {".npy", read_npy_cloud},
+                                             {".xyz", read_any_text},
+                                             {".txt", read_any_text},
+                                             {".csv", read_any_text}}};
 
 const Format* format_of(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -49,6 +68,11 @@ std::optional<std::string_view> cloud_extension(const std::filesystem::path& pat
   const Format* format = format_of(path);
   if (format == nullptr) return std::nullopt;
   return format->extension;
+}
+
+bool is_text_cloud(const std::filesystem::path& path) {
+  const Format* format = format_of(path);
+  return format != nullptr && format->read == read_any_text;
 }
 
 Scan read_cloud(const std::filesystem::path& path, const CloudOptions& options, CloudNotes* notes) {

@@ -13,7 +13,8 @@
 namespace evermap {
 
 /// The extensions that read_cloud knows, for messages.
-inline constexpr std::string_view kCloudExtensions = ".bin (KITTI), .pcd and .ply";
+inline constexpr std::string_view kCloudExtensions =
+    ".bin (KITTI), .pcd, .ply, .las, .npy, .xyz, .txt and .csv";
 
 /// What a user knows of a file better than the file says.
 struct CloudOptions {
@@ -24,7 +25,10 @@ struct CloudOptions {
 /// The extension of `path` in lower case when read_cloud knows it, none otherwise. Does not look at the file.
 std::optional<std::string_view> cloud_extension(const std::filesystem::path& path);
 
-/// Reads a point cloud or scan; the format follows from the extension (.bin .pcd .ply, any case). Fills
+/// Whether read_cloud would read a text, which beside other files is mostly something else: times, or poses.
+bool is_text_cloud(const std::filesystem::path& path);
+
+/// Reads a point cloud or scan; the format follows from the extension (kCloudExtensions, any case). Fills
 /// `notes`, when given, with what was taken for what. Throws FileError when the file is missing, malformed or
 /// of another kind. Thread safe.
 Scan read_cloud(const std::filesystem::path& path, const CloudOptions& options = {},

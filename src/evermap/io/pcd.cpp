@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <string>
 
+#include <evermap/files/detail/expansion.hpp>
 #include <evermap/io/detail/lzf.hpp>
 #include <evermap/io/detail/pcd.hpp>
 #include <evermap/io/detail/pcd_header.hpp>
@@ -11,11 +11,7 @@
 namespace evermap {
 namespace {
 
-// How much memory compressed data may ask for: all that small files need, and for large ones far more than
-// the clouds of sensors, which seldom shrink to a fifth.
 constexpr std::uint64_t kMemoryOfPoint = sizeof(Eigen::Vector3d) + sizeof(double) + sizeof(float);  // [bytes]
-constexpr std::uint64_t kFreeMemory = std::uint64_t{256} << 20;                                     // [bytes]
-constexpr std::uint64_t kMostExpansion = 64;
 
 /// Two sizes [bytes], uint32 each, then the LZF stream of the columns.
 void add_compressed(ScanBuilder& builder, const InputFile& file, const PcdHeader& header,
@@ -43,7 +39,7 @@ void add_compressed(ScanBuilder& builder, const InputFile& file, const PcdHeader
                                       " compressed bytes can hold; write the file again");
   }
   const std::uint64_t memory = header.points * kMemoryOfPoint;
-  if (memory > std::max<std::uint64_t>(kFreeMemory, kMostExpansion * file.bytes().size())) {
+  if (memory > greatest_expansion(file.bytes().size())) {
     file.fail_at_byte(offset + 4, "expands to " + std::to_string(header.points) +
                                       " points, more than a file of " + std::to_string(file.bytes().size()) +
                                       " bytes may; write it uncompressed (DATA binary)");
@@ -62,14 +58,15 @@ Scan read_pcd(const std::filesystem::path& path, CloudNotes* notes) {
   const InputFile file(path);
   TextLines lines(file);
   const PcdHeader header = read_pcd_header(file, lines);
-  ScanBuilder builder(file, header.layout);
+  ScanBuilder builder(path, header.layout);
   switch (header.encoding) {
     case PcdEncoding::kAscii:
       builder.add_lines(lines, header.points);
       if (lines.next_filled()) lines.fail("more points than the header says; correct WIDTH and POINTS");
       break;
     case PcdEncoding::kBinary:
-      builder.add_records(lines.offset(), header.points, std::endian::little);
+      builder.add_records(file.bytes().substr(lines.offset()), lines.offset(), header.points,
+                          std::endian::little);
       break;
     case PcdEncoding::kBinaryCompressed:
       add_compressed(builder, file, header, lines.offset());

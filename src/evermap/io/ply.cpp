@@ -31,11 +31,11 @@ Scan read_ply(const std::filesystem::path& path, CloudNotes* notes) {
       continue;
     }
     const RecordLayout layout = layout_of(element, file);
-    ScanBuilder builder(file, layout);
+    ScanBuilder builder(path, layout);
     if (ply.is_ascii()) {
       builder.add_lines(ply.lines(), element.count);
     } else {
-      builder.add_records(ply.offset(), element.count, ply.order());
+      builder.add_records(file.bytes().substr(ply.offset()), ply.offset(), element.count, ply.order());
     }
     return builder.finish(notes);
   }

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include <evermap/files/file_error.hpp>
 #include <evermap/io/detail/scan_builder.hpp>
 
 namespace evermap {
@@ -21,11 +23,31 @@ std::string in_lower_case(std::string text) {
 
 }  // namespace
 
-ScanBuilder::ScanBuilder(const InputFile& file, const RecordLayout& layout) : file_(file), layout_(layout) {
+bool add_point(Scan& scan, const Eigen::Vector3d& p_sensor) {
+  if (!p_sensor.allFinite()) {
+    ++scan.dropped_not_finite;
+  } else if (p_sensor.squaredNorm() == 0.0) {
+    ++scan.dropped_at_origin;
+  } else {
+    scan.p_sensor.push_back(p_sensor);
+    return true;
+  }
+  return false;
+}
+
+double farthest_coordinate(const Scan& scan) {
+  double farthest = 0;
+  for (const Eigen::Vector3d& p_sensor : scan.p_sensor)
+    farthest = std::max(farthest, p_sensor.cwiseAbs().maxCoeff());
+  return farthest;
+}
+
+ScanBuilder::ScanBuilder(std::filesystem::path file, const RecordLayout& layout)
+    : file_(std::move(file)), layout_(layout) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Field* field = find(kAxisNames[axis]);
     if (field == nullptr) {
-      file.fail("has no field " + std::string(kAxisNames[axis]) + "; points need x, y and z");
+      throw FileError(file_, "has no field " + std::string(kAxisNames[axis]) + "; points need x, y and z");
     }
     position_[axis] = *field;
   }
@@ -44,7 +66,8 @@ const Field* ScanBuilder::find(std::string_view name) const {
     for (const Field& field : layout_.fields()) {
       if ((as_written ? field.name : in_lower_case(field.name)) != name) continue;
       if (found != nullptr || field.count != 1) {
-        file_.fail("has more than one value named " + std::string(name) + " per point; rename all but one");
+        throw FileError(
+            file_, "has more than one value named " + std::string(name) + " per point; rename all but one");
       }
       found = &field;
     }
@@ -53,16 +76,19 @@ const Field* ScanBuilder::find(std::string_view name) const {
   return nullptr;
 }
 
-void ScanBuilder::add_records(std::size_t offset, std::uint64_t points, std::endian order) {
+void ScanBuilder::add_records(std::string_view bytes, std::size_t offset, std::uint64_t points,
+                              std::endian order) {
   const std::size_t stride = layout_.stride();
-  const std::uint64_t complete = (file_.bytes().size() - offset) / stride;
+  const std::uint64_t complete = bytes.size() / stride;
   if (points > complete) {
-    file_.fail_at_byte(offset + complete * stride,
-                       "ends inside point " + std::to_string(complete) + " of " + std::to_string(points) +
-                           "; copy the file again or correct the number of points");
+    throw FileError::at_byte(file_, offset + complete * stride,
+                             "ends inside point " + std::to_string(complete) + " of " +
+                                 std::to_string(points) +
+                                 "; copy the file again or correct the number of points");
   }
-  const char* begin = file_.bytes().data() + offset;
-  const auto column = [&](const Field& field) { return Column{begin + field.offset, stride, field.type}; };
+  const auto column = [&](const Field& field) {
+    return Column{bytes.data() + field.offset, stride, field.type};
+  };
   add_decoded({column(position_[kX]), column(position_[kY]), column(position_[kZ]),
                column(time_.value_or(position_[kX]))},
               points, order);
@@ -102,8 +128,9 @@ void ScanBuilder::add_lines(TextLines& lines, std::uint64_t points) {
   std::vector<double> values;
   for (std::uint64_t i = 0; i < points; ++i) {
     if (!lines.next_filled()) {
-      file_.fail_at_byte(file_.bytes().size(), "ends after " + std::to_string(i) + " of " +
-                                                   std::to_string(points) + " points; copy the file again");
+      throw FileError::at_byte(file_, lines.offset(),
+                               "ends after " + std::to_string(i) + " of " + std::to_string(points) +
+                                   " points; copy the file again");
     }
     lines.read_numbers(values);
     if (values.size() != layout_.value_count()) {
@@ -116,14 +143,10 @@ void ScanBuilder::add_lines(TextLines& lines, std::uint64_t points) {
 }
 
 void ScanBuilder::add(const Eigen::Vector3d& p_sensor, double time) {
-  if (!p_sensor.allFinite() || !std::isfinite(time)) {
+  if (!std::isfinite(time)) {
     ++scan_.dropped_not_finite;
-  } else if (p_sensor.squaredNorm() == 0.0) {
-    ++scan_.dropped_at_origin;
-  } else {
-    scan_.p_sensor.push_back(p_sensor);
-    farthest_coordinate_ = std::max(farthest_coordinate_, p_sensor.cwiseAbs().maxCoeff());
-    if (time_) times_.push_back(time);
+  } else if (add_point(scan_, p_sensor) && time_) {
+    times_.push_back(time);
   }
 }
 
@@ -133,7 +156,7 @@ PointTime ScanBuilder::finish_times() {
   scan_.time_offset.reserve(times_.size());
   for (const double time : times_)
     scan_.time_offset.push_back(static_cast<float>(time * unit - *first * unit));
-  return {time_->name, time_->type, unit, (*last - *first) * unit};
+  return {time_->name, time_->type, unit, *first * unit, (*last - *first) * unit};
 }
 
 Scan ScanBuilder::finish(CloudNotes* notes) {
@@ -141,11 +164,11 @@ Scan ScanBuilder::finish(CloudNotes* notes) {
   if (!times_.empty()) time = finish_times();
   if (notes != nullptr) {
     notes->time = std::move(time);
-    notes->farthest_coordinate = farthest_coordinate_;
+    notes->farthest_coordinate = farthest_coordinate(scan_);
     const bool is_float32 =
         !is_text_ && std::any_of(position_.begin(), position_.end(),
                                  [](const Field& field) { return field.type == Scalar::kFloat32; });
-    const auto farthest = static_cast<float>(farthest_coordinate_);
+    const auto farthest = static_cast<float>(notes->farthest_coordinate);
     notes->coordinate_step = is_float32 ? std::nextafter(farthest, INFINITY) - farthest : 0;
   }
   return std::move(scan_);

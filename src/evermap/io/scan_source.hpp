@@ -3,35 +3,37 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include <evermap/io/cloud.hpp>
+#include <evermap/geometry/pose.hpp>
+#include <evermap/io/detail/cloud_notes.hpp>
 #include <evermap/scan/scan.hpp>
 
 namespace evermap {
 
-/// A sequence of scans, read one at a time: a folder of .bin, .pcd or .ply files in the order of their names,
-/// counted as a person counts (2.pcd before 10.pcd; one format per folder), or one such file. The constructor
-/// throws FileError when there is no scan in it or the formats are mixed; files of other kinds and hidden
-/// ones are ignored. Not thread safe.
+/// A sequence of scans, read one at a time. Not thread safe.
 class ScanSource {
  public:
-  explicit ScanSource(const std::filesystem::path& path, const CloudOptions& options = {});
+  virtual ~ScanSource() = default;
 
-  std::size_t size() const { return files_.size(); }
-  const std::filesystem::path& file(std::size_t index) const { return files_[index]; }
-  /// The next scan, none after the last. Throws FileError when its file is damaged.
-  std::optional<Scan> next();
-  /// What was made of the last scan's file.
-  const CloudNotes& notes() const { return notes_; }
+  /// The next scan, none after the last. Throws FileError when it is damaged.
+  virtual std::optional<Scan> next() = 0;
+  /// How many scans there are, as far as that is known before they are read.
+  virtual std::size_t size() const = 0;
 
- private:
-  CloudOptions options_;
-  std::vector<std::filesystem::path> files_;
-  std::size_t position_ = 0;
-  CloudNotes notes_;
+  /// The number of the last scan, from 0, counted with those that were left out.
+  virtual std::size_t index() const = 0;
+  /// Where the last scan was found, for messages.
+  virtual std::string place() const = 0;
+  /// What was made of the last scan.
+  virtual const CloudNotes& notes() const = 0;
+  /// Where the sensor was at a time [s] during the last scan, in the frame that was asked for; none when the
+  /// recording does not tell.
+  virtual std::optional<Pose> pose_at(double /*time*/) const { return std::nullopt; }
+  /// What is to be known of what was read up to now, a sentence each: damage that ended it, what was assumed.
+  virtual std::vector<std::string> remarks() const { return {}; }
 };
 
 }  // namespace evermap

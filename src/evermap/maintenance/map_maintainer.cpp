@@ -8,6 +8,7 @@
 #include <evermap/maintenance/detail/point_counts.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
 #include <evermap/map/detail/leaf_finder.hpp>
+#include <evermap/scan/detail/deskew.hpp>
 #include <evermap/update/detail/map_updater.hpp>
 #include <evermap/update/detail/rollback.hpp>
 #include <evermap/update/detail/viewpoint.hpp>
@@ -73,8 +74,13 @@ class MapMaintainer::Loop {
     return result;
   }
 
-  ScanResult process(const Scan& scan, const Pose& T_map_sensor) {
+  ScanResult process(const Scan& raw, const Pose& T_map_sensor,
+                     const std::optional<Pose>& T_map_sensor_begin) {
     ScanResult result;
+    const bool is_distorted = T_map_sensor_begin && has_times(raw);
+    const Scan still =
+        is_distorted ? deskew_between(raw, T_map_sensor.inverse() * *T_map_sensor_begin) : Scan{};
+    const Scan& scan = is_distorted ? still : raw;
     switch (mode_) {
       case MapMode::kLocalization:
         result.T_map_sensor = T_map_sensor;
@@ -239,8 +245,9 @@ MapMaintainer& MapMaintainer::operator=(MapMaintainer&&) noexcept = default;
 ScanResult MapMaintainer::process(const Scan& scan, double time, const std::optional<Pose>& T_odom_sensor) {
   return loop_->process(scan, time, T_odom_sensor);
 }
-ScanResult MapMaintainer::process(const Scan& scan, const Pose& T_map_sensor) {
-  return loop_->process(scan, T_map_sensor);
+ScanResult MapMaintainer::process(const Scan& scan, const Pose& T_map_sensor,
+                                  const std::optional<Pose>& T_map_sensor_begin) {
+  return loop_->process(scan, T_map_sensor, T_map_sensor_begin);
 }
 Octree MapMaintainer::map() const { return loop_->snapshot(); }
 TrackingState MapMaintainer::state() const { return loop_->state(); }

@@ -45,8 +45,10 @@ class MapMaintainer {
   /// A scan with a time for each point is deskewed to its end.
   ScanResult process(const Scan& scan, double time, const std::optional<Pose>& T_odom_sensor = std::nullopt);
 
-  /// Takes a scan whose pose is known and trusted, its points all as of one time.
-  ScanResult process(const Scan& scan, const Pose& T_map_sensor);
+  /// Takes a scan whose pose is known and trusted. `T_map_sensor_begin`: the pose when the scan began; with
+  /// it, a scan with a time for each point is deskewed to its end, without it, all is taken as of one time.
+  ScanResult process(const Scan& scan, const Pose& T_map_sensor,
+                     const std::optional<Pose>& T_map_sensor_begin = std::nullopt);
 
   /// The map as it is after the last scan. A snapshot: it shares with this map what later scans leave
   /// unchanged, so taking one costs little, and stays as it is. Thread safe; waits at most while a scan's

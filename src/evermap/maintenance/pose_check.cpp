@@ -9,6 +9,7 @@
 
 #include <evermap/maintenance/detail/pose_check.hpp>
 #include <evermap/scan/detail/ray_bundle.hpp>
+#include <evermap/update/detail/map_updater.hpp>
 
 namespace evermap {
 namespace {
@@ -44,7 +45,7 @@ Pose sorted_as_numbers(const Poses& poses, std::size_t scan) {
   const std::string name = std::to_string(scan);
   std::size_t before = 0;
   for (std::size_t other = 0; other < poses.size(); ++other) before += std::to_string(other) < name ? 1 : 0;
-  return poses[before];
+  return poses[std::min(before, poses.size() - 1)];
 }
 
 struct Mistake {
@@ -70,22 +71,41 @@ constexpr double kFits = 0.8;  ///< of a scan's bundles on the map: nothing else
 }  // namespace
 
 PoseCheck::PoseCheck(Octree map, const LidarParameters& lidar, std::vector<Pose> poses)
-    : map_(std::move(map)), lidar_(lidar), poses_(std::move(poses)), mended_fit_(kMistakes.size(), 0) {}
+    : maps_(1 + kMistakes.size(), map),
+      is_growing_(map.empty()),
+      lidar_(lidar),
+      poses_(std::move(poses)),
+      mended_fit_(kMistakes.size(), 0) {}
 
-bool PoseCheck::wants(std::size_t scan) const {
-  constexpr std::size_t kAtFirst = 8;
-  constexpr std::size_t kThen = 16;
-  return scan < kAtFirst || scan % kThen == 0;
+void PoseCheck::note(std::size_t scan, const Pose& T_map_sensor) {
+  if (scan >= poses_.size()) poses_.resize(scan + 1, T_map_sensor);
 }
 
-double PoseCheck::fit(const Scan& points, const Pose& T_map_sensor) const {
-  const BundleGrid grid = condense(points, T_map_sensor, map_.grid(), lidar_);
+bool PoseCheck::wants(std::size_t scan) {
+  constexpr std::size_t kAtFirst = 8;
+  constexpr std::size_t kThen = 16;
+  // Scans from one place lie on each other whatever is wrong with its pose.
+  const bool is_wanted =
+      is_growing_ ? seen_ < kAtFirst && has_moved(scan) : asked_ < kAtFirst || asked_ % kThen == 0;
+  ++asked_;
+  if (is_wanted) last_ = scan;
+  return is_wanted;
+}
+
+bool PoseCheck::has_moved(std::size_t scan) const {
+  if (!last_) return true;
+  const double way = std::max(1.0, 2 * maps_.front().grid().edge);  // [m]
+  return (poses_[scan].translation - poses_[*last_].translation).norm() > way;
+}
+
+double PoseCheck::fit(const Octree& map, const Scan& points, const Pose& T_map_sensor) const {
+  const BundleGrid grid = condense(points, T_map_sensor, map.grid(), lidar_);
   if (grid.bundles().empty()) return 0;
   const auto on_map =
       std::count_if(grid.bundles().begin(), grid.bundles().end(), [&](const RayBundle& bundle) {
-        const Leaf* leaf = map_.find(bundle.key);
+        const Leaf* leaf = map.find(bundle.key);
         if (leaf == nullptr || !leaf->occupied()) return false;
-        Gaussian surface = map_.gaussian(bundle.key, *leaf);
+        Gaussian surface = map.gaussian(bundle.key, *leaf);
         surface.covariance += bundle.points.covariance;
         return mahalanobis_squared(bundle.points.mean, surface) < kChiSquared99;
       });
@@ -93,12 +113,19 @@ double PoseCheck::fit(const Scan& points, const Pose& T_map_sensor) const {
 }
 
 void PoseCheck::add(std::size_t scan, const Scan& points, double contradicting) {
-  ++seen_;
-  contradicting_ += contradicting;
-  const double given = fit(points, poses_[scan]);
-  fit_ += given;
-  for (std::size_t i = 0; i < kMistakes.size(); ++i) {
-    mended_fit_[i] += given > kFits ? given : fit(points, kMistakes[i].mended(poses_, scan));
+  if (!maps_.front().empty()) {
+    ++seen_;
+    contradicting_ += contradicting;
+    const double given = fit(maps_.front(), points, poses_[scan]);
+    fit_ += given;
+    for (std::size_t i = 0; i < kMistakes.size(); ++i) {
+      mended_fit_[i] += given > kFits ? given : fit(maps_[1 + i], points, kMistakes[i].mended(poses_, scan));
+    }
+  }
+  if (!is_growing_) return;
+  for (std::size_t i = 0; i < maps_.size(); ++i) {
+    const Pose T_map_sensor = i == 0 ? poses_[scan] : kMistakes[i - 1].mended(poses_, scan);
+    evermap::add(maps_[i], condense(points, T_map_sensor, maps_[i].grid(), lidar_), {});
   }
 }
 
@@ -109,7 +136,9 @@ std::string PoseCheck::verdict() const {
   const auto best = std::max_element(mended_fit_.begin(), mended_fit_.end());
   const auto percent = [n](double sum) { return std::to_string(static_cast<int>(100 * sum / n)) + " %"; };
   const std::string misfit =
-      "the scans do not lie on the map where their poses put them (" + percent(fit_) + ")";
+      std::string(is_growing_ ? "the scans do not lie on each other where their poses put them ("
+                              : "the scans do not lie on the map where their poses put them (") +
+      percent(fit_) + ")";
   constexpr double kClearly = 0.8;  // of the best
   if (*best > 0.5 * n && fit_ < kClearly * *best) {
     const Mistake& mistake = kMistakes[static_cast<std::size_t>(best - mended_fit_.begin())];

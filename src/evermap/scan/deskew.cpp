@@ -36,4 +36,9 @@ Scan deskew(const Scan& scan, const ScanMotion& motion, double duration) {
   return still;
 }
 
+Scan deskew_between(const Scan& scan, const Pose& T_end_begin) {
+  const double duration = *std::max_element(scan.time_offset.begin(), scan.time_offset.end());
+  return deskew(scan, ScanMotion::steady(-1 / duration * log(T_end_begin)), duration);
+}
+
 }  // namespace evermap

@@ -20,9 +20,10 @@ namespace evermap {
 struct Scan {
   std::vector<Eigen::Vector3d> p_sensor;  ///< [m] sensor frame
   std::vector<float> time_offset;         ///< [s] of each point since the scan began; empty when not recorded
-  std::optional<Pose> T_map_sensor;       ///< sensor pose when the file carries one (PCD VIEWPOINT)
-  std::size_t dropped_not_finite = 0;     ///< points with NaN or infinity
-  std::size_t dropped_at_origin = 0;      ///< points of zero range, the sensors' way to say "no return"
+  std::optional<double> time;        ///< [s] since 1970 when its last point was taken; none when not recorded
+  std::optional<Pose> T_map_sensor;  ///< sensor pose when the file carries one (PCD VIEWPOINT)
+  std::size_t dropped_not_finite = 0;  ///< points with NaN or infinity
+  std::size_t dropped_at_origin = 0;   ///< points of zero range, the sensors' way to say "no return"
 };
 
 }  // namespace evermap

@@ -26,6 +26,8 @@ class InputStream {
   std::uint64_t position() const { return position_; }      ///< [bytes]
   std::uint64_t rest() const { return size_ - position_; }  ///< [bytes] that follow
 
+  /// Goes on at another place. REQUIRES: position <= position() + rest().
+  void seek(std::uint64_t position);
   /// Reads the next `size` bytes to the end of the buffer. REQUIRES: size <= rest(). Throws FileError when
   /// they cannot be read, are no longer there, or there is no memory for them.
   void append_to(std::string& buffer, std::uint64_t size);

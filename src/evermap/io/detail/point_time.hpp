@@ -21,6 +21,7 @@ struct PointTime {
   std::string field;  ///< as the file names it
   Scalar type;
   double seconds_per_tick;  ///< 1, 1e-3, 1e-6 or 1e-9
+  double first;             ///< [s] of the earliest point, counted from whatever the recorder did
   double span;              ///< [s] from the first point to the last
 
   /// One line, such as "field 'timestamp' (float64) in nanoseconds, 0.0998 s from first to last".

@@ -6,16 +6,23 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
+#include <string_view>
 #include <vector>
 
-#include <evermap/files/detail/input_file.hpp>
 #include <evermap/files/detail/record_layout.hpp>
 #include <evermap/files/detail/text_lines.hpp>
 #include <evermap/io/detail/cloud_notes.hpp>
 #include <evermap/scan/scan.hpp>
 
 namespace evermap {
+
+/// Adds a point to a scan, or counts why it is none; whether it was added.
+bool add_point(Scan& scan, const Eigen::Vector3d& p_sensor);
+
+/// [m] The largest x, y or z of a scan, without its sign.
+double farthest_coordinate(const Scan& scan);
 
 /// Makes a Scan from the points of a file, whichever way they stand in it: what every reader shares.
 ///
@@ -25,11 +32,11 @@ namespace evermap {
 class ScanBuilder {
  public:
   /// Throws FileError when x, y or z is missing or ambiguous.
-  ScanBuilder(const InputFile& file, const RecordLayout& layout);
+  ScanBuilder(std::filesystem::path file, const RecordLayout& layout);
 
-  /// Adds `points` records that stand one after the other in the file from byte `offset` on. Throws FileError
-  /// at the first record that is not complete, before memory is taken for any.
-  void add_records(std::size_t offset, std::uint64_t points, std::endian order);
+  /// Adds `points` records that stand one after the other in `bytes`, which the file has from byte `offset`
+  /// on. Throws FileError at the first record that is not complete, before memory is taken for any.
+  void add_records(std::string_view bytes, std::size_t offset, std::uint64_t points, std::endian order);
 
   /// Adds points of which all values of the first field stand in `bytes`, then all of the second, and so on.
   /// REQUIRES: bytes holds points * stride bytes, little endian.
@@ -57,13 +64,12 @@ class ScanBuilder {
   /// Makes the scan's times of `times_`. REQUIRES: there are some.
   PointTime finish_times();
 
-  const InputFile& file_;
+  std::filesystem::path file_;
   const RecordLayout& layout_;
   std::array<Field, 3> position_;
   std::optional<Field> time_;
-  std::vector<double> times_;       ///< [ticks] of each point, counted from any moment
-  bool is_text_ = false;            ///< numbers are as precise as they are written
-  double farthest_coordinate_ = 0;  ///< [m]
+  std::vector<double> times_;  ///< [ticks] of each point, counted from any moment
+  bool is_text_ = false;       ///< numbers are as precise as they are written
   Scan scan_;
 };
 

@@ -27,6 +27,9 @@ bool has_times(const Scan& scan);
 /// times are all the same, comes back as it is.
 Scan deskew(const Scan& scan, const ScanMotion& motion, double duration);
 
+/// The same for a scan that began at `T_end_begin`, seen from where it ended. REQUIRES: has_times(scan).
+Scan deskew_between(const Scan& scan, const Pose& T_end_begin);
+
 /// The fraction of a scan of `duration` [s] that was taken at `time_offset` [s], at most 1.
 double fraction_at(float time_offset, double duration);
 

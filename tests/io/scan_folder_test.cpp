@@ -1,17 +1,17 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files/file_fixture.hpp"
-#include <evermap/io/scan_source.hpp>
+#include <evermap/io/detail/scan_folder.hpp>
 
 namespace evermap {
 namespace {
 
-class ScanSourceTest : public FileTest {
+class ScanFolderTest : public FileTest {
  protected:
   void make_scan(const std::string& name, float x) { make(name, bytes_of<float>({x, 0, 0, 0})); }
 };
 
-TEST_F(ScanSourceTest, FolderIsReadInTheOrderOfNames) {
+TEST_F(ScanFolderTest, FolderIsReadInTheOrderOfNames) {
   make_scan("000010.bin", 10);
   make_scan("000002.bin", 2);
   make_scan("000001.BIN", 1);
@@ -19,7 +19,7 @@ TEST_F(ScanSourceTest, FolderIsReadInTheOrderOfNames) {
   make("._000001.bin", "what an archiver left");
   make("000003.pcd.bak", "not a scan");
   std::filesystem::create_directory(path("000004.bin"));
-  ScanSource source(folder_);
+  ScanFolder source(folder_);
   ASSERT_EQ(source.size(), 3U);
   EXPECT_EQ(source.file(0), path("000001.BIN"));
   for (const double x : {1.0, 2.0, 10.0}) {
@@ -31,13 +31,13 @@ TEST_F(ScanSourceTest, FolderIsReadInTheOrderOfNames) {
   EXPECT_FALSE(source.next());
 }
 
-TEST_F(ScanSourceTest, NumbersInNamesAreCounted) {
+TEST_F(ScanFolderTest, NumbersInNamesAreCounted) {
   const auto order = [&](const std::vector<std::string>& sorted) {
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directory(folder_);
     for (auto name = sorted.rbegin(); name != sorted.rend(); ++name) make_scan(*name, 1);
     std::vector<std::string> names;
-    const ScanSource source(folder_);
+    const ScanFolder source(folder_);
     for (std::size_t i = 0; i < source.size(); ++i) names.push_back(source.file(i).filename().string());
     EXPECT_EQ(names, sorted);
   };
@@ -51,41 +51,41 @@ TEST_F(ScanSourceTest, NumbersInNamesAreCounted) {
   order({"scan.bin", "scan1.bin", "scan2.bin"});
 }
 
-TEST_F(ScanSourceTest, OptionsReachTheReader) {
+TEST_F(ScanFolderTest, OptionsReachTheReader) {
   make("a.bin", bytes_of<float>({1, 2, 3, 0, 0, 4, 5, 6, 0, 0}));
-  ScanSource source(folder_, {.bin_fields = 5});
+  ScanFolder source(folder_, {.bin_fields = 5});
   EXPECT_EQ(source.next().value().p_sensor.size(), 2U);
   EXPECT_EQ(source.notes().bin_fields, 5U);
 }
 
-TEST_F(ScanSourceTest, OneFileIsASequenceOfOne) {
+TEST_F(ScanFolderTest, OneFileIsASequenceOfOne) {
   make_scan("a.bin", 7);
-  ScanSource source(path("a.bin"));
+  ScanFolder source(path("a.bin"));
   EXPECT_EQ(source.size(), 1U);
   EXPECT_EQ(source.next().value().p_sensor.at(0).x(), 7);
   EXPECT_FALSE(source.next());
 }
 
-TEST_F(ScanSourceTest, MixedFormatsAreNamed) {
+TEST_F(ScanFolderTest, MixedFormatsAreNamed) {
   make_scan("a.bin", 1);
   make_scan("b.bin", 1);
   make("c.pcd", "whatever");
-  const FileError error = file_error(folder_, "mixes formats", [&] { ScanSource source(folder_); });
+  const FileError error = file_error(folder_, "mixes formats", [&] { ScanFolder source(folder_); });
   EXPECT_NE(std::string(error.what()).find("a.bin"), std::string::npos);
   EXPECT_NE(std::string(error.what()).find("c.pcd"), std::string::npos);
 }
 
-TEST_F(ScanSourceTest, WhereThereIsNoScanIsRefused) {
-  file_error(folder_, "holds no scan", [&] { ScanSource source(folder_); });
-  file_error(make("a.las", "x"), ".bin (KITTI), .pcd and .ply", [&] { ScanSource source(path("a.las")); });
-  file_error(path("none"), "No such file", [&] { ScanSource source(path("none")); });
+TEST_F(ScanFolderTest, WhereThereIsNoScanIsRefused) {
+  file_error(folder_, "holds no scan", [&] { ScanFolder source(folder_); });
+  file_error(make("a.e57", "x"), ".bin (KITTI), .pcd, .ply, .las", [&] { ScanFolder source(path("a.e57")); });
+  file_error(path("none"), "No such file", [&] { ScanFolder source(path("none")); });
 }
 
-TEST_F(ScanSourceTest, DamageIsReportedWhenItsScanIsDue) {
+TEST_F(ScanFolderTest, DamageIsReportedWhenItsScanIsDue) {
   make_scan("a.bin", 1);
   make("b.bin", "short");
   make_scan("c.bin", 3);
-  ScanSource source(folder_);
+  ScanFolder source(folder_);
   EXPECT_TRUE(source.next());
   expect_at_byte(file_error(path("b.bin"), "the last point", [&] { source.next(); }), 0);
   EXPECT_EQ(source.next().value().p_sensor.at(0).x(), 3);

@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <bzlib.h>
+#include <cstdlib>
+#include <fstream>
+#include <lz4frame.h>
+#include <memory>
+#include <system_error>
+#include <unistd.h>
+
+#include <zstd.h>
+
+#include <evermap/bags/detail/decompress.hpp>
+#include <evermap/files/detail/expansion.hpp>
+#include <evermap/files/detail/input_file.hpp>
+
+namespace evermap {
+namespace {
+
+/// Each fills `output` wholly, or says false.
+bool copy(std::string_view stored, std::string& output) {
+  if (stored.size() != output.size()) return false;
+  output = stored;
+  return true;
+}
+
+bool from_bz2(std::string_view compressed, std::string& output) {
+  auto size = static_cast<unsigned>(output.size());
+  // The library does not change its input, though it does not say so.
+  const int error = ::BZ2_bzBuffToBuffDecompress(output.data(), &size, const_cast<char*>(compressed.data()),
+                                                 static_cast<unsigned>(compressed.size()), 0, 0);
+  return error == BZ_OK && size == output.size();
+}
+
+bool from_lz4(std::string_view compressed, std::string& output) {
+  LZ4F_dctx* created = nullptr;
+  if (::LZ4F_isError(::LZ4F_createDecompressionContext(&created, LZ4F_VERSION))) return false;
+  const std::unique_ptr<LZ4F_dctx, decltype(&::LZ4F_freeDecompressionContext)> context(
+      created, ::LZ4F_freeDecompressionContext);
+  std::size_t done = 0;
+  while (!compressed.empty()) {
+    std::size_t room = output.size() - done;
+    std::size_t taken = compressed.size();
+    const std::size_t left =
+        ::LZ4F_decompress(context.get(), output.data() + done, &room, compressed.data(), &taken, nullptr);
+    if (::LZ4F_isError(left) || (room == 0 && taken == 0)) return false;
+    done += room;
+    compressed.remove_prefix(taken);
+    if (left == 0) break;
+  }
+  return done == output.size();
+}
+
+bool from_zstd(std::string_view compressed, std::string& output) {
+  return ::ZSTD_decompress(output.data(), output.size(), compressed.data(), compressed.size()) ==
+         output.size();
+}
+
+struct Compression {
+  std::string_view name;
+  bool (*decompress)(std::string_view compressed, std::string& output);
+};
+constexpr std::array<Compression, 5> kCompressions = {
+    {{"", copy}, {"none", copy}, {"bz2", from_bz2}, {"lz4", from_lz4}, {"zstd", from_zstd}}};
+
+const Compression* compression_of(std::string_view name) {
+  const auto* found = std::find_if(kCompressions.begin(), kCompressions.end(),
+                                   [&](const Compression& known) { return known.name == name; });
+  return found == kCompressions.end() ? nullptr : found;
+}
+
+}  // namespace
+
+bool is_compression(std::string_view name) { return compression_of(name) != nullptr; }
+
+std::optional<std::string> decompress(std::string_view compression, std::string_view compressed,
+                                      std::uint64_t size, std::string& output) {
+  const Compression* known = compression_of(compression);
+  if (known == nullptr) return "is compressed in an unknown way";
+  if (size > greatest_expansion(compressed.size())) {
+    return "expands to " + std::to_string(size) + " bytes, more than " + std::to_string(compressed.size()) +
+           " compressed bytes may";
+  }
+  output.resize(size);
+  if (!known->decompress(compressed, output)) return "holds damaged data";
+  return std::nullopt;
+}
+
+bool is_zstd(std::string_view bytes) {
+  constexpr std::string_view kMagic = "\x28\xB5\x2F\xFD";
+  return bytes.starts_with(kMagic);
+}
+
+std::optional<std::uint64_t> zstd_size(std::string_view bytes) {
+  const unsigned long long size = ::ZSTD_getFrameContentSize(bytes.data(), bytes.size());
+  if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) return std::nullopt;
+  return size;
+}
+
+UncompressedCopy::UncompressedCopy(const std::filesystem::path& compressed) {
+  std::string name = (std::filesystem::temp_directory_path() / "evermap-bag-XXXXXX").string();
+  const int descriptor = ::mkstemp(name.data());
+  if (descriptor < 0) throw FileError(name, "cannot be made to uncompress " + compressed.string());
+  ::close(descriptor);
+  path_ = name;
+  try {
+    InputStream input(compressed);
+    std::ofstream output(path_, std::ios::binary);
+    const std::unique_ptr<ZSTD_DStream, decltype(&::ZSTD_freeDStream)> stream(::ZSTD_createDStream(),
+                                                                              ::ZSTD_freeDStream);
+    std::string in;
+    std::string out(::ZSTD_DStreamOutSize(), '\0');
+    std::size_t left = 1;  // 0 at the end of a frame
+    while (input.rest() > 0) {
+      in.clear();
+      input.append_to(in, std::min<std::uint64_t>(input.rest(), ::ZSTD_DStreamInSize()));
+      ZSTD_inBuffer from{in.data(), in.size(), 0};
+      bool is_full = true;
+      while (from.pos < from.size || is_full) {
+        ZSTD_outBuffer to{out.data(), out.size(), 0};
+        left = ::ZSTD_decompressStream(stream.get(), &to, &from);
+        if (::ZSTD_isError(left)) {
+          throw FileError::at_byte(compressed, input.position() - from.size + from.pos,
+                                   "the compressed data is damaged; copy the file again");
+        }
+        if (!output.write(out.data(), static_cast<std::streamsize>(to.pos)))
+          throw FileError(path_, "cannot hold what " + compressed.string() + " holds; is the device full?");
+        is_full = to.pos == to.size;
+      }
+    }
+    if (left != 0) throw FileError(compressed, "ends inside its compressed data; copy the file again");
+    if (!output.flush()) throw FileError(path_, "cannot be written; is the device full?");
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+    throw;
+  }
+}
+
+UncompressedCopy::~UncompressedCopy() {
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
+}
+
+}  // namespace evermap

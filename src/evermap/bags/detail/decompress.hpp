@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace evermap {
+
+/// The compressions of bags by the names they have there: "none" or "", "bz2", "lz4", "zstd".
+bool is_compression(std::string_view name);
+
+/// Replaces `output` by the `size` bytes that `compressed` holds. Returns what is wrong where that fails, in
+/// a few words, and nothing otherwise. Takes no memory for more than may_expand() allows.
+std::optional<std::string> decompress(std::string_view compression, std::string_view compressed,
+                                      std::uint64_t size, std::string& output);
+
+/// Whether bytes begin as a frame of Zstandard, and what the first frame says it holds [bytes].
+bool is_zstd(std::string_view bytes);
+std::optional<std::uint64_t> zstd_size(std::string_view bytes);
+
+/// A copy of a file without its Zstandard compression, which is removed in the end. Throws FileError.
+class UncompressedCopy {
+ public:
+  explicit UncompressedCopy(const std::filesystem::path& compressed);
+  ~UncompressedCopy();
+  UncompressedCopy(const UncompressedCopy&) = delete;
+  UncompressedCopy& operator=(const UncompressedCopy&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace evermap

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <memory>
+#include <sqlite3.h>
+
+#include <evermap/bags/detail/bag_reader.hpp>
+
+namespace evermap {
+
+/// A file of rosbag2 in SQLite, whose messages may each be compressed by Zstandard.
+class SqliteBag : public BagReader {
+ public:
+  explicit SqliteBag(const std::filesystem::path& path);
+
+ private:
+  struct CloseDatabase {
+    void operator()(sqlite3* database) const { ::sqlite3_close(database); }
+  };
+  struct FinalizeStatement {
+    void operator()(sqlite3_stmt* statement) const { ::sqlite3_finalize(statement); }
+  };
+  using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
+
+  std::optional<BagMessage> read_next() override;
+  void on_select() override { messages_.reset(); }
+
+  Statement prepare(const std::string& query) const;
+  /// Whether there was one more row.
+  bool step(const Statement& statement) const;
+  [[noreturn]] void fail() const;
+
+  std::unique_ptr<sqlite3, CloseDatabase> database_;
+  std::map<std::int64_t, std::size_t> topic_of_id_;
+  Statement messages_;
+  std::uint64_t done_ = 0;
+  std::string uncompressed_;
+};
+
+}  // namespace evermap

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <evermap/io/cloud.hpp>
+#include <evermap/io/detail/selected_scans.hpp>
+
+namespace evermap {
+
+/// What a user knows of a recording better than it says.
+struct ScanOptions {
+  CloudOptions cloud = {};
+  std::string topic = {};  ///< of a bag's clouds; empty: the only one
+  ScanSelection selection = {};
+  std::string reference = {};  ///< what pose_at() tells: a topic of poses, or a frame of /tf; empty: nothing
+  bool is_reference_needed = true;  ///< or a bag may have none
+};
+
+/// Whether a path is a bag, by its name: .bag, .db3, .mcap, these with .zstd behind, or a folder that holds
+/// such files.
+bool is_bag(const std::filesystem::path& path);
+
+/// Opens a folder of clouds, one cloud, or a bag: .bag of ROS 1; .db3 and .mcap of ROS 2, or a folder of
+/// these. Throws FileError when there is no scan in it, or it cannot be told which of several topics is
+/// meant.
+std::unique_ptr<ScanSource> open_scans(const std::filesystem::path& path, const ScanOptions& options = {});
+
+}  // namespace evermap

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <limits>
+#include <memory>
+
+#include <evermap/io/scan_source.hpp>
+
+namespace evermap {
+
+/// Which scans of a sequence are wanted.
+struct ScanSelection {
+  double start = 0;                                           ///< [s] after the first
+  double duration = std::numeric_limits<double>::infinity();  ///< [s]
+  std::size_t every = 1;                                      ///< each n-th of these
+  double scan_period = 0.1;                                   ///< [s] where scans have no times
+};
+
+/// Those scans of another source that are wanted.
+class SelectedScans : public ScanSource {
+ public:
+  SelectedScans(std::unique_ptr<ScanSource> all, const ScanSelection& selection)
+      : all_(std::move(all)), selection_(selection) {}
+
+  std::optional<Scan> next() override;
+  std::size_t size() const override { return all_->size(); }
+  std::size_t index() const override { return all_->index(); }
+  std::string place() const override { return all_->place(); }
+  const CloudNotes& notes() const override { return all_->notes(); }
+  std::optional<Pose> pose_at(double time) const override { return all_->pose_at(time); }
+  std::vector<std::string> remarks() const override { return all_->remarks(); }
+
+ private:
+  std::unique_ptr<ScanSource> all_;
+  ScanSelection selection_;
+  std::optional<double> first_;  ///< [s]
+  std::size_t in_time_ = 0;      ///< scans between start and end
+};
+
+}  // namespace evermap
