@@ -99,10 +99,11 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
     spdlog::warn("{}: {} scans are not later than the one before by their stamps; they were left out",
                  options.scans.string(), backwards);
   }
-  if (!options.odometry.empty() && !odometry.empty() && result.with_odometry == 0 && !result.scans.empty()) {
+  const bool is_odometry_given = !options.odometry.empty() && !odometry.empty();
+  if (is_odometry_given && result.with_odometry == 0 && !result.scans.empty()) {
     throw FileError(options.scans, options.odometry + " tells no pose at the time of any scan");
   }
-  if (!options.odometry.empty() && result.is_hardly_tracked()) {
+  if (is_odometry_given && result.is_hardly_tracked()) {
     throw FileError(
         options.odometry,
         "hardly a scan could be tracked with this odometry; is it of the LiDAR itself, its x axis ahead?");

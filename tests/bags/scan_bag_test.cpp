@@ -157,7 +157,8 @@ TEST_F(ScanBagTest, EveryContainerGivesTheSameScans) {
                   0, 1e-5);
     }
     EXPECT_FALSE(scans->next());
-    EXPECT_TRUE(scans->remarks().empty());
+    const bool is_cut_off = container.name.ends_with("no_index.bag");
+    EXPECT_EQ(scans->remarks().size(), is_cut_off ? 1U : 0U);
   }
 }
 

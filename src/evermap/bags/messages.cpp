@@ -138,7 +138,8 @@ CloudMessage read_point_cloud(const BagTopic& topic, std::string_view bytes,
   const std::optional<RecordLayout> layout = record_layout_of(cloud, point_step);
   if (!layout) fail(bag, topic, "has points of " + std::to_string(point_step) + " bytes");
   ScanBuilder builder(bag, *layout);
-  for (std::uint64_t row = 0; row < cloud.height; ++row) {
+  const std::uint64_t rows = cloud.width == 0 ? 0 : cloud.height;
+  for (std::uint64_t row = 0; row < rows; ++row) {
     builder.add_records(data.substr(row * row_step, row_size), 0, cloud.width,
                         is_big_endian ? std::endian::big : std::endian::little);
   }

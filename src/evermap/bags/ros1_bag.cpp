@@ -60,12 +60,14 @@ Ros1Bag::Ros1Bag(const std::filesystem::path& path) : BagReader(path), file_(pat
   if (header.op() != kBagHeader) fail("has no bag header; copy the file again");
   begin_ = file_.position();
   const std::uint64_t index = header.number("index_pos", 8);
-  const bool has_index = index >= begin_ && index <= end_;
-  if (has_index && index < end_) {
+  has_index_ = index >= begin_ && index <= end_;
+  if (has_index_) {
     file_.seek(index);
     read_index();
     end_ = index;
-  } else {
+  }
+  if (topics_.empty() && begin_ < end_) {
+    has_index_ = false;
     rewind();
     count_messages();
   }
@@ -100,7 +102,10 @@ std::optional<BagMessage> Ros1Bag::read_next() {
     while (chunk_position_ < chunk_.size()) {
       if (std::optional<BagMessage> message = take(read_chunk_record())) return message;
     }
-    if (file_.position() >= end_) return std::nullopt;
+    if (file_.position() >= end_) {
+      if (!has_index_) fail("has no index; its recording was cut off");
+      return std::nullopt;
+    }
     const Record record = read_record();
     if (record.op() == kChunk) {
       open_chunk(record);

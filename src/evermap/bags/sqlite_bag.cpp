@@ -30,7 +30,7 @@ std::string text_of(sqlite3_stmt* statement, int column) {
 }  // namespace
 
 SqliteBag::SqliteBag(const std::filesystem::path& path) : BagReader(path) {
-  const InputStream is_a_file(path);
+  size_ = InputStream(path).rest();
   sqlite3* opened = nullptr;
   // Immutable: it is read where it lies, without locks, unless a recorder that was killed left its journal.
   const std::string uri = "file:" + escaped(std::filesystem::absolute(path).string()) + "?mode=ro" +
@@ -41,6 +41,8 @@ SqliteBag::SqliteBag(const std::filesystem::path& path) : BagReader(path) {
   // What a stranger's file defines is not run.
   ::sqlite3_db_config(opened, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   ::sqlite3_db_config(opened, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  constexpr int kOften = 1000;
+  ::sqlite3_progress_handler(opened, kOften, count_operations, this);
   const Statement topics = prepare(
       "SELECT id, name, type, serialization_format, "
       "(SELECT COUNT(*) FROM messages WHERE topic_id = topics.id) FROM topics ORDER BY id");
@@ -50,6 +52,7 @@ SqliteBag::SqliteBag(const std::filesystem::path& path) : BagReader(path) {
     topics_[topic].messages +=
         static_cast<std::uint64_t>(std::max<sqlite3_int64>(::sqlite3_column_int64(topics.get(), 4), 0));
     topic_of_id_[::sqlite3_column_int64(topics.get(), 0)] = topic;
+    total_ += topics_[topic].messages;
   }
 }
 
@@ -58,7 +61,15 @@ void SqliteBag::fail() const {
                               ::sqlite3_errmsg(database_.get()) + "; copy the file again");
 }
 
-SqliteBag::Statement SqliteBag::prepare(const std::string& query) const {
+/// Pages that lead back to themselves would be read for ever.
+int SqliteBag::count_operations(void* bag) {
+  std::uint64_t& left = static_cast<SqliteBag*>(bag)->operations_left_;
+  return left == 0 ? 1 : (--left, 0);
+}
+
+SqliteBag::Statement SqliteBag::prepare(const std::string& query) {
+  // A message takes more bytes than operations to find it; a small file may need some to be opened.
+  operations_left_ = 100 + size_ / 250;
   sqlite3_stmt* prepared = nullptr;
   const int error = ::sqlite3_prepare_v2(database_.get(), query.c_str(), -1, &prepared, nullptr);
   Statement statement(prepared);
@@ -86,7 +97,7 @@ std::optional<BagMessage> SqliteBag::read_next() {
     done_ = 0;
   }
   if (!step(messages_)) return std::nullopt;
-  ++done_;
+  if (++done_ > total_) throw FileError(path(), "its index is damaged; copy the file again");
   const auto topic = topic_of_id_.find(::sqlite3_column_int64(messages_.get(), 0));
   const double time = 1e-9 * static_cast<double>(::sqlite3_column_int64(messages_.get(), 1));
   const auto* data = static_cast<const char*>(::sqlite3_column_blob(messages_.get(), 2));

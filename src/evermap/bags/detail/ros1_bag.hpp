@@ -41,6 +41,7 @@ class Ros1Bag : public BagReader {
   [[noreturn]] void fail(const std::string& message) const;
 
   InputStream file_;
+  bool has_index_ = false;
   std::uint64_t begin_ = 0;  ///< [bytes] of the first chunk
   std::uint64_t end_ = 0;    ///< [bytes] where chunks end
   std::string buffer_;       ///< the record of the file in hand

@@ -27,7 +27,9 @@ class SqliteBag : public BagReader {
   std::optional<BagMessage> read_next() override;
   void on_select() override { messages_.reset(); }
 
-  Statement prepare(const std::string& query) const;
+  Statement prepare(const std::string& query);
+  /// Called every thousand operations; stops the statement when it has run for more than any good file needs.
+  static int count_operations(void* bag);
   /// Whether there was one more row.
   bool step(const Statement& statement) const;
   [[noreturn]] void fail() const;
@@ -35,7 +37,10 @@ class SqliteBag : public BagReader {
   std::unique_ptr<sqlite3, CloseDatabase> database_;
   std::map<std::int64_t, std::size_t> topic_of_id_;
   Statement messages_;
+  std::uint64_t total_ = 0;  ///< messages
   std::uint64_t done_ = 0;
+  std::uint64_t size_ = 0;             ///< [bytes]
+  std::uint64_t operations_left_ = 0;  ///< [thousands]
   std::string uncompressed_;
 };
 
