@@ -9,6 +9,7 @@
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
+#include <evermap/io/detail/map_lock.hpp>
 #include <evermap/io/map_file.hpp>
 
 namespace evermap {
@@ -19,7 +20,8 @@ struct BuildOptions {
   LocalizedScans odometry;
   std::filesystem::path poses_out;  ///< empty when not asked for
   std::filesystem::path map;
-  double leaf = 0;  ///< [m]
+  double leaf = 0;      ///< [m]
+  double patience = 0;  ///< [s]
   ParameterOptions parameters;
   bool as_json = false;
 };
@@ -43,18 +45,21 @@ void build_from_poses(const BuildOptions& options, const Parameters& parameters)
   PoseCheck check(Octree(grid), parameters.lidar, scans.poses());
   const Run run = run_over(scans, options.run.threads, maintainer, check_poses(check, options.run));
   finish(options, maintainer.map(), run);
+  end_as(run);
 }
 
 /// LiDAR odometry: each scan is localized in the map of those before it. The first pose is the map's origin.
-void build_without_poses(const BuildOptions& options, const Parameters& parameters) {
+void build_without_poses(const BuildOptions& options, Parameters parameters) {
   LocalizedScans scans = options.odometry;
   scans.scans = options.run.scans;
   scans.reading = options.run.reading;
   scans.threads = options.run.threads;
+  parameters.lidar.scan_period = scan_period_of(scans, parameters.lidar.scan_period);
   MapMaintainer maintainer(Octree(VoxelGrid{.edge = options.leaf}), parameters, MapMode::kMapping);
   const LocalizedRun run = localize_scans(scans, maintainer, parameters.lidar.scan_period);
   if (!options.poses_out.empty()) write_tum_poses(options.poses_out, run.trajectory);
   finish(options, maintainer.map(), run);
+  end_as(run.run);
   if (run.is_lost() || run.is_hardly_tracked()) {
     throw std::runtime_error(fmt::format(
         "{} of {} scans could be tracked{}; this map shows only these. Give odometry (--odometry) or poses "
@@ -65,9 +70,9 @@ void build_without_poses(const BuildOptions& options, const Parameters& paramete
 
 void run_build(const BuildOptions& options) {
   check_leaf(options.leaf);
-  Parameters parameters = parameters_of(options.parameters);
-  if (options.odometry.rate) parameters.lidar.scan_period = 1 / *options.odometry.rate;
+  const Parameters parameters = parameters_of(options.parameters);
   check_writable(options.map);
+  const MapLock lock(options.map, options.patience);
   if (!options.poses_out.empty()) check_writable(options.poses_out);
   options.run.poses.empty() ? build_without_poses(options, parameters)
                             : build_from_poses(options, parameters);
@@ -89,6 +94,7 @@ void add_build(CLI::App& app) {
   add_leaf_option(*verb, options->leaf);
   add_range_options(*verb, options->parameters);
   add_config_option(*verb, options->parameters);
+  add_wait_option(*verb, options->patience);
   add_json_option(*verb, options->as_json);
   verb->callback([options] { run_build(*options); });
 }

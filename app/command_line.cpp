@@ -3,6 +3,7 @@
 #include "command_line.hpp"
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <malloc.h>
@@ -42,6 +43,9 @@ void keep_memory() {
   mallopt(M_TRIM_THRESHOLD, 512 * kMegabyte);
 }
 
+/// An error line goes where it can: nobody may be there to read it.
+void complain(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
+
 int run(int argc, char** argv, CLI::App& app, const std::function<void(CLI::App&)>& add_options) {
   spdlog::set_default_logger(spdlog::stderr_color_mt(app.get_name()));
   spdlog::set_pattern("%H:%M:%S.%e %l: %v");
@@ -57,7 +61,7 @@ int run(int argc, char** argv, CLI::App& app, const std::function<void(CLI::App&
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     const bool asked_for = error.get_exit_code() == 0;  // --help, --version
-    if (!asked_for) fmt::print(stderr, "{0}: {1}; see {0} --help\n", app.get_name(), one_line(error.what()));
+    if (!asked_for) complain(fmt::format("{0}: {1}; see {0} --help", app.get_name(), one_line(error.what())));
     if (asked_for) app.exit(error);
     return asked_for ? kDone : kWrongUsage;
   }
@@ -70,14 +74,21 @@ int run(int argc, char** argv, CLI::App& app, const std::function<void(CLI::App&
 int run_command_line(int argc, char** argv, const std::string& program, const std::string& description,
                      const std::function<void(CLI::App&)>& add_options) {
   keep_memory();
+  // A reader that went away, or a limit that was reached, is an error like others, after what was done is
+  // saved.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     CLI::App app(description, program);
     return run(argc, argv, app, add_options);
+  } catch (const Interrupted& interrupted) {
+    constexpr int kSignalled = 128;
+    return kSignalled + interrupted.signal();
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "{}: not enough memory; a larger leaf edge or a smaller map needs less\n", program);
+    complain(program + ": not enough memory; a larger leaf edge or a smaller map needs less");
     return kFailed;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}\n", program, one_line(error.what()));
+    complain(program + ": " + one_line(error.what()));
     return kFailed;
   }
 }

@@ -13,6 +13,7 @@
 #include "verbs.hpp"
 #include <evermap/files/file_error.hpp>
 #include <evermap/io/cloud.hpp>
+#include <evermap/io/detail/map_lock.hpp>
 #include <evermap/io/map_file.hpp>
 #include <evermap/maintenance/survey.hpp>
 
@@ -23,7 +24,8 @@ struct ImportOptions {
   std::filesystem::path cloud;
   CloudOptions reading;
   std::filesystem::path map;
-  double leaf = 0;  ///< [m]
+  double leaf = 0;      ///< [m]
+  double patience = 0;  ///< [s]
   ParameterOptions parameters;
   bool as_json = false;
 };
@@ -46,6 +48,7 @@ void run_import(const ImportOptions& options) {
   check_leaf(options.leaf);
   const Parameters parameters = parameters_of(options.parameters);
   check_writable(options.map);
+  const MapLock lock(options.map, options.patience);
   CloudNotes notes;
   const Scan cloud = read_cloud(options.cloud, options.reading, &notes);
   if (notes.coordinate_step > 0 && !cloud.p_sensor.empty()) {  // a few stray points do not count
@@ -87,6 +90,7 @@ void add_import(CLI::App& app) {
                  "Take the points of a PCD file as they are, whatever its VIEWPOINT says");
   add_leaf_option(*verb, options->leaf);
   add_config_option(*verb, options->parameters);
+  add_wait_option(*verb, options->patience);
   add_json_option(*verb, options->as_json);
   verb->callback([options] { run_import(*options); });
 }

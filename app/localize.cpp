@@ -12,6 +12,7 @@
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
+#include <evermap/io/detail/map_lock.hpp>
 #include <evermap/io/detail/map_undo.hpp>
 #include <evermap/io/detail/quaternion.hpp>
 #include <evermap/io/map_file.hpp>
@@ -28,6 +29,7 @@ struct LocalizeOptions {
   std::optional<double> max_contradicting;
   std::optional<double> search;  ///< [m]
   bool undo_log = false;
+  double patience = 0;  ///< [s]
   std::filesystem::path poses;
   std::filesystem::path states;  ///< empty when not asked for
   std::filesystem::path map_out;
@@ -55,13 +57,15 @@ void check(const LocalizeOptions& options) {
 
 void run_localize(const LocalizeOptions& options) {
   Parameters parameters = parameters_of(options.parameters);
-  if (options.scans.rate) parameters.lidar.scan_period = 1 / *options.scans.rate;
+  parameters.lidar.scan_period = scan_period_of(options.scans, parameters.lidar.scan_period);
   parameters.rollback.scans = options.rollback.value_or(parameters.rollback.scans);
   parameters.localization.gate.max_contradicting =
       options.max_contradicting.value_or(parameters.localization.gate.max_contradicting);
   parameters.localization.relocation.reach =
       options.search.value_or(parameters.localization.relocation.reach);
   check(options);
+  std::optional<MapLock> lock;
+  if (options.maintain) lock.emplace(options.map_out, options.patience);
   Octree map = load_map(options.map);
   if (map.empty()) throw std::runtime_error(options.map.string() + " has no leaves to localize in");
   MapMaintainer maintainer(std::move(map), parameters,
@@ -81,6 +85,7 @@ void run_localize(const LocalizeOptions& options) {
     if (options.maintain) fmt::print("map      {}\n", options.map_out.string());
     fmt::print("poses    {}\n{}", options.poses.string(), to_text(run));
   }
+  end_as(run.run);
   if (run.is_lost() || run.is_hardly_tracked()) {
     throw std::runtime_error(std::string("the robot was lost") +
                              (run.is_lost() ? " at the end" : " most of the time") +
@@ -132,6 +137,7 @@ void add_localize(CLI::App& app) {
   add_mode_option(*verb, options->parameters);
   add_range_options(*verb, options->parameters);
   add_config_option(*verb, options->parameters);
+  add_wait_option(*verb, options->patience);
   add_json_option(*verb, options->as_json);
   verb->callback([options] { run_localize(*options); });
 }

@@ -17,6 +17,7 @@
 #include <evermap/files/file_error.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
 #include <evermap/io/scan_source.hpp>
+#include <evermap/scan/detail/deskew.hpp>
 
 namespace evermap {
 namespace {
@@ -68,6 +69,33 @@ void add_odometry_options(CLI::App& verb, LocalizedScans& options) {
       ->default_str("10");
 }
 
+double scan_period_of(const LocalizedScans& options, double configured) {
+  if (options.rate) return 1 / *options.rate;
+  constexpr int kFirst = 8;  // scans
+  const std::unique_ptr<ScanSource> scans = open_scans(options.scans, options.reading);
+  std::vector<double> spans;  // [s] from stamp to stamp, or, without stamps, of the points
+  std::optional<double> last;
+  for (int i = 0; i < kFirst; ++i) {
+    const std::optional<Scan> scan = scans->next();
+    if (!scan) break;
+    if (scan->time && last) spans.push_back(*scan->time - *last);
+    if (!scan->time && has_times(*scan))
+      spans.push_back(*std::max_element(scan->time_offset.begin(), scan->time_offset.end()));
+    last = scan->time;
+  }
+  if (spans.empty()) return configured;
+  const auto middle = spans.begin() + static_cast<std::ptrdiff_t>(spans.size() / 2);
+  std::nth_element(spans.begin(), middle, spans.end());
+  constexpr double kClearly = 1.2;
+  constexpr double kShortest = 0.02;  // [s] a sensor of 50 Hz
+  constexpr double kLongest = 0.5;    // [s]
+  const bool is_as_configured = *middle < kClearly * configured && configured < kClearly * *middle;
+  if (is_as_configured || *middle < kShortest || *middle > kLongest) return configured;
+  spdlog::warn("{}: its scans were taken for {:.3g} a second, as their times say; --rate says otherwise",
+               options.scans.string(), 1 / *middle);
+  return *middle;
+}
+
 LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& maintainer, double scan_period) {
   ScanOptions reading = options.reading;
   ScanPoses odometry = options.odometry.empty()     ? ScanPoses::odometry_of(options.scans, reading)
@@ -94,6 +122,7 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
     record(result, time, take([&] { return maintainer.process(*scan, time, T_odom_sensor); }));
     return true;
   });
+  result.run.failure = scans->failure();
   for (const std::string& remark : scans->remarks()) spdlog::warn("{}: {}", options.scans.string(), remark);
   if (backwards > 0) {
     spdlog::warn("{}: {} scans are not later than the one before by their stamps; they were left out",

@@ -49,6 +49,10 @@ struct LocalizedRun {
   std::size_t count(TrackingState state) const { return states[static_cast<std::size_t>(state)]; }
 };
 
+/// [s] How long a scan takes: what the user says, or else the scans' own times if they differ clearly from
+/// `configured`, which is said then. Throws FileError when no scan can be read.
+double scan_period_of(const LocalizedScans& options, double configured);
+
 /// Gives the maintainer scan by scan until all are done or SIGINT or SIGTERM came. Throws FileError when
 /// scans or odometry cannot be read or do not belong together. `scan_period` [s] tells the scans' times where
 /// the odometry has none.

@@ -80,6 +80,8 @@ void add_scans_options(CLI::App& verb, std::filesystem::path& scans, ScanOptions
       ->check(CLI::Range(1, 1000000))
       ->type_name("N")
       ->capture_default_str();
+  verb.add_flag("--strict", reading.selection.is_strict,
+                "Stop at the first damaged scan; otherwise up to a tenth are left out");
   add_bin_fields_option(verb, reading.cloud);
 }
 
@@ -111,6 +113,13 @@ void check_leaf(double leaf) {
   if (is_leaf_edge(leaf)) return;
   throw std::runtime_error(fmt::format("a leaf edge of {} m is out of range; choose {} to {} m", leaf,
                                        kLeastLeafEdge, kGreatestLeafEdge));
+}
+
+void add_wait_option(CLI::App& verb, double& patience) {
+  verb.add_option("--wait", patience, "Wait that long for another process that changes the map")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("S")
+      ->capture_default_str();
 }
 
 void add_undo_log_option(CLI::App& verb, bool& undo_log) {

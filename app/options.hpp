@@ -48,6 +48,9 @@ void add_leaf_option(CLI::App& verb, double& leaf);
 /// Throws std::runtime_error when the leaf edge [m] is out of range.
 void check_leaf(double leaf);
 
+/// How long to wait for another process that changes the map.
+void add_wait_option(CLI::App& verb, double& patience);
+
 /// Whether the map that is replaced is kept for `evermap undo`.
 void add_undo_log_option(CLI::App& verb, bool& undo_log);
 void add_json_option(CLI::App& verb, bool& as_json);

@@ -74,6 +74,7 @@ class PosedScans {
   /// The next scan that has a pose.
   std::optional<PosedScan> next();
   std::vector<std::string> remarks() const;
+  std::string failure() const { return scans_->failure(); }
 
  private:
   std::optional<PosedScan> read();

@@ -20,19 +20,20 @@ ProgressBar::~ProgressBar() { clear(); }
 void ProgressBar::show(std::size_t done) const {
   if (!is_shown_ || total_ == 0) return;
   constexpr std::size_t kWidth = 40;
-  fmt::print(stderr, "\r{:█<{}}{:░<{}} {} of {} {}", "", done * kWidth / total_, "",
-             kWidth - done * kWidth / total_, done, total_, unit_);
+  const std::string bar = fmt::format("\r{:█<{}}{:░<{}} {} of {} {}", "", done * kWidth / total_, "",
+                                      kWidth - done * kWidth / total_, done, total_, unit_);
+  std::fputs(bar.c_str(), stderr);
   std::fflush(stderr);
 }
 
 void ProgressBar::say(const std::string& line) const {
   clear();
-  fmt::print(stderr, "{}\n", line);
+  std::fputs((line + "\n").c_str(), stderr);
 }
 
 /// Leaves the line empty for whatever is printed next.
 void ProgressBar::clear() const {
-  if (is_shown_) fmt::print(stderr, "\r\x1b[K");
+  if (is_shown_) std::fputs("\r\x1b[K", stderr);
 }
 
 }  // namespace evermap

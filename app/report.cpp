@@ -61,7 +61,7 @@ Json to_json(const Run& run) {
            {{"done", run.scans_done},
             {"total", run.scans_total},
             {"empty", run.scans_empty},
-            {"interrupted", run.was_interrupted}}},
+            {"interrupted", run.stopped_by != 0}}},
           {"points", to_json(run.points)},
           {"seconds_per_scan", {{"wall", to_json(Spread(run.wall))}, {"cpu", to_json(Spread(run.cpu))}}}};
 }
@@ -88,7 +88,7 @@ std::string to_text(const ScanResult::PointCounts& points) {
 
 std::string to_text(const Run& run) {
   const std::string interrupted =
-      run.was_interrupted ? fmt::format("interrupted after {} of {} scans\n", run.scans_done, run.scans_total)
+      run.stopped_by != 0 ? fmt::format("interrupted after {} of {} scans\n", run.scans_done, run.scans_total)
                           : "";
   const std::string empty =
       run.scans_empty > 0 ? fmt::format("; {} without a usable point skipped", run.scans_empty) : "";

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
@@ -11,6 +12,7 @@
 #include <oneapi/tbb/task_arena.h>
 #include <spdlog/spdlog.h>
 
+#include "command_line.hpp"
 #include "cpu_time.hpp"
 #include "progress_bar.hpp"
 #include <evermap/files/file_error.hpp>
@@ -20,7 +22,7 @@ namespace {
 
 // A signal handler can reach nothing but a global.
 volatile std::sig_atomic_t g_stop_requested = 0;
-void request_stop(int) { g_stop_requested = 1; }
+void request_stop(int signal) { g_stop_requested = signal; }
 
 double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -41,9 +43,15 @@ void check_any_used(const ScanResult::PointCounts& points, const std::filesystem
                                     points.total, dropped_in_words(points)));
 }
 
+void end_as(const Run& run) {
+  if (run.stopped_by != 0) throw Interrupted(run.stopped_by);
+  if (!run.failure.empty()) throw std::runtime_error(run.failure);
+}
+
 Run run_over(std::size_t scans, int threads, const std::function<bool(const TakeScan& take)>& next) {
   std::signal(SIGINT, request_stop);
   std::signal(SIGTERM, request_stop);
+  std::signal(SIGHUP, request_stop);
   const int count = threads > 0 ? threads : oneapi::tbb::info::default_concurrency();
   // Without the first, TBB would never start more workers than there are cores.
   const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
@@ -65,7 +73,7 @@ Run run_over(std::size_t scans, int threads, const std::function<bool(const Take
   arena.execute([&] {
     while (!g_stop_requested && next(take)) bar.show(std::min(++run.scans_done, scans));
   });
-  run.was_interrupted = g_stop_requested != 0 && run.scans_done < scans;
+  if (run.scans_done < scans) run.stopped_by = g_stop_requested;
   return run;
 }
 
@@ -87,7 +95,8 @@ Run run_over(PosedScans& scans, int threads, MapMaintainer& maintainer, const Lo
     return true;
   });
   for (const std::string& remark : scans.remarks()) spdlog::warn(remark);
-  if (!run.was_interrupted) check_any_used(run.points, last);
+  run.failure = scans.failure();
+  if (run.stopped_by == 0) check_any_used(run.points, last);
   return run;
 }
 

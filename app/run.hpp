@@ -25,12 +25,16 @@ void check_any_used(const ScanResult::PointCounts& points, const std::filesystem
 struct Run {
   std::size_t scans_done = 0;
   std::size_t scans_total = 0;
-  bool was_interrupted = false;
+  int stopped_by = 0;           ///< the signal that ended it early; 0: none did
+  std::string failure;          ///< why it ended early otherwise, with what was done; empty when it did not
   std::size_t scans_empty = 0;  ///< without any usable point; nothing came of them
   ScanResult::PointCounts points;
   std::vector<double> wall;  ///< [s] per scan, without reading its file
   std::vector<double> cpu;   ///< [s] per scan, of all threads together
 };
+
+/// Ends the program as the run ended, after all is saved: throws Interrupted, or std::runtime_error.
+void end_as(const Run& run);
 
 /// Works through a sequence of `scans` scans in an arena of that many threads (0: one per core), with a
 /// progress bar: calls `next` until it says that there was none, or SIGINT or SIGTERM came; the scan in hand

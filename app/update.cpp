@@ -10,6 +10,7 @@
 #include "report.hpp"
 #include "verbs.hpp"
 #include <evermap/io/detail/atomic_file.hpp>
+#include <evermap/io/detail/map_lock.hpp>
 #include <evermap/io/detail/map_undo.hpp>
 #include <evermap/io/map_file.hpp>
 
@@ -23,6 +24,7 @@ struct UpdateOptions {
   ParameterOptions parameters;
   std::filesystem::path report;  ///< folder; empty when not asked for
   bool undo_log = false;
+  double patience = 0;  ///< [s]
   bool as_json = false;
 };
 
@@ -39,12 +41,13 @@ void write_report(const std::filesystem::path& folder, const ChangeReport& repor
   file.write(dump(to_json(report)));
   file.commit();
   // Whoever interrupts waits for the end: of a large map, pictures take longer than saving it.
-  if (!report.run.was_interrupted) write_pictures(folder, before, after, report.difference);
+  if (report.run.stopped_by == 0) write_pictures(folder, before, after, report.difference);
 }
 
 void run_update(const UpdateOptions& options) {
   const Parameters parameters = parameters_of(options.parameters);
   prepare_outputs(options);
+  const MapLock lock(options.output, options.patience);
   PosedScans scans(options.run.scans, options.run.poses, parameters.lidar.scan_period, options.run.reading);
   MapMaintainer maintainer(load_map(options.map), parameters);
   const Octree before = maintainer.map();
@@ -58,6 +61,7 @@ void run_update(const UpdateOptions& options) {
                             compare(before, octree)};
   if (!options.report.empty()) write_report(options.report, report, before, octree);
   fmt::print("{}", options.as_json ? dump(to_json(report)) : to_text(report));
+  end_as(run);
 }
 
 }  // namespace
@@ -77,6 +81,7 @@ void add_update(CLI::App& app) {
                    "Folder for report.json and pictures of before, after and the change")
       ->type_name("DIR");
   add_undo_log_option(*verb, options->undo_log);
+  add_wait_option(*verb, options->patience);
   add_json_option(*verb, options->as_json);
   verb->callback([options] { run_update(*options); });
 }

@@ -40,9 +40,9 @@ TEST_F(InterruptionTest, UpdateSavesWhatItHas) {
   make_drive("before", 1, true);
   make_drive("now", 1000, false);
   expect_done(build("before", "map.evm"));
-  for (const int signal : {SIGTERM, SIGINT}) {
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
     const Result result = interrupt(update("map.evm", "now", "out.evm", {"--json"}), signal);
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+    ASSERT_EQ(result.exit_code, 128 + signal) << result.err;
     const auto scans = nlohmann::json::parse(result.out)["scans"];
     EXPECT_EQ(scans["interrupted"], true);
     EXPECT_GE(scans["done"], 1);
@@ -54,7 +54,7 @@ TEST_F(InterruptionTest, UpdateSavesWhatItHas) {
 TEST_F(InterruptionTest, BuildSavesWhatItHasAndSaysSo) {
   make_drive("drive", 1000, true);
   const Result result = interrupt(build("drive", "map.evm"), SIGTERM);
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  ASSERT_EQ(result.exit_code, 128 + SIGTERM) << result.err;
   EXPECT_NE(result.out.find("interrupted after "), std::string::npos) << result.out;
   EXPECT_NE(result.out.find(" of 1000 scans"), std::string::npos) << result.out;
   expect_done({"info", name("map.evm")});

@@ -38,6 +38,18 @@ TEST(RecordedBags, CloudsAreRead) {
   }
 }
 
+TEST(RecordedBags, ACloudAsAMiddlewareSentItIsRead) {
+  const std::filesystem::path file = data_folder() / "reader_fixtures/cdr_and_pcd/cloudini_dds_message.bin";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file;
+  std::ifstream stream(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  const BagTopic topic{"/points", "sensor_msgs/PointCloud2", Wire::kCdr};
+  const CloudMessage cloud = read_cloud_message(topic, bytes, file);
+  const Scan& scan = cloud.scan;
+  EXPECT_EQ(scan.p_sensor.size() + scan.dropped_at_origin + scan.dropped_not_finite, 64000U);
+  EXPECT_FALSE(cloud.frame.empty());
+}
+
 TEST(RecordedBags, EveryOneIsSummarized) {
   const std::filesystem::path fixtures = data_folder() / "reader_fixtures";
   if (!std::filesystem::exists(fixtures)) GTEST_SKIP() << "no data at " << fixtures;

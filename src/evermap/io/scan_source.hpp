@@ -34,6 +34,8 @@ class ScanSource {
   virtual std::optional<Pose> pose_at(double /*time*/) const { return std::nullopt; }
   /// What is to be known of what was read up to now, a sentence each: damage that ended it, what was assumed.
   virtual std::vector<std::string> remarks() const { return {}; }
+  /// Why it was given up before its end, in one line; empty as long as it was not.
+  virtual std::string failure() const { return {}; }
 };
 
 }  // namespace evermap

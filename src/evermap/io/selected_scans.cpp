@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <evermap/files/file_error.hpp>
 #include <evermap/io/detail/selected_scans.hpp>
 
 namespace evermap {
 
 std::optional<Scan> SelectedScans::next() {
-  while (std::optional<Scan> scan = all_->next()) {
+  while (std::optional<Scan> scan = next_undamaged()) {
     const double time = scan->time.value_or(static_cast<double>(all_->index()) * selection_.scan_period);
     if (!first_) first_ = time;
     const double since_start = time - *first_ - selection_.start;
@@ -15,6 +16,33 @@ std::optional<Scan> SelectedScans::next() {
     if (in_time_++ % selection_.every == 0) return scan;
   }
   return std::nullopt;
+}
+
+std::optional<Scan> SelectedScans::next_undamaged() {
+  constexpr std::size_t kFewInAll = 10;  // one in ten
+  while (failure_.empty()) {
+    try {
+      std::optional<Scan> scan = all_->next();
+      given_ += scan ? 1 : 0;
+      return scan;
+    } catch (const FileError& error) {
+      damage_.emplace_back(error.what());
+      const bool are_many = damage_.size() * kFewInAll > all_->size();
+      if (given_ == 0 && (selection_.is_strict || are_many)) throw;
+      if (!selection_.is_strict && !are_many) continue;
+      failure_ = damage_.back();
+      if (damage_.size() > 1) failure_ += " (and " + std::to_string(damage_.size() - 1) + " scans before)";
+      failure_ += "; what was done up to there is saved";
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> SelectedScans::remarks() const {
+  std::vector<std::string> remarks = all_->remarks();
+  if (!failure_.empty()) return remarks;  // which tells
+  for (const std::string& damage : damage_) remarks.push_back("a damaged scan was left out: " + damage);
+  return remarks;
 }
 
 }  // namespace evermap

@@ -15,9 +15,11 @@ struct ScanSelection {
   double duration = std::numeric_limits<double>::infinity();  ///< [s]
   std::size_t every = 1;                                      ///< each n-th of these
   double scan_period = 0.1;                                   ///< [s] where scans have no times
+  bool is_strict = false;                                     ///< a damaged scan is an error
 };
 
-/// Those scans of another source that are wanted.
+/// Those scans of another source that are wanted. One that is damaged costs itself: it is left out and
+/// remarked; more than a tenth of all end the sequence, and with `is_strict` the first does.
 class SelectedScans : public ScanSource {
  public:
   SelectedScans(std::unique_ptr<ScanSource> all, const ScanSelection& selection)
@@ -29,13 +31,19 @@ class SelectedScans : public ScanSource {
   std::string place() const override { return all_->place(); }
   const CloudNotes& notes() const override { return all_->notes(); }
   std::optional<Pose> pose_at(double time) const override { return all_->pose_at(time); }
-  std::vector<std::string> remarks() const override { return all_->remarks(); }
+  std::vector<std::string> remarks() const override;
+  std::string failure() const override { return failure_; }
 
  private:
+  std::optional<Scan> next_undamaged();
+
   std::unique_ptr<ScanSource> all_;
   ScanSelection selection_;
-  std::optional<double> first_;  ///< [s]
-  std::size_t in_time_ = 0;      ///< scans between start and end
+  std::optional<double> first_;      ///< [s]
+  std::size_t in_time_ = 0;          ///< scans between start and end
+  std::size_t given_ = 0;            ///< scans
+  std::vector<std::string> damage_;  ///< a line for each damaged scan
+  std::string failure_;
 };
 
 }  // namespace evermap
