@@ -74,8 +74,11 @@ void run_localize(const LocalizeOptions& options) {
   const LocalizedRun run = localize_scans(options.scans, maintainer, parameters.lidar.scan_period);
   write_tum_poses(options.poses, run.trajectory);
   if (!options.states.empty()) write_states(options.states, run);
-  if (options.undo_log) keep_for_undo(options.map_out);
-  if (options.maintain) save_map(options.map_out, maintainer.map());
+  if (options.undo_log) {
+    save_map_with_undo(options.map_out, maintainer.map());
+  } else if (options.maintain) {
+    save_map(options.map_out, maintainer.map());
+  }
   if (options.as_json) {
     Json json = {{"poses", options.poses.string()}};
     if (options.maintain) json["map"] = options.map_out.string();

@@ -55,8 +55,7 @@ void run_update(const UpdateOptions& options) {
   PoseCheck check(before, parameters.lidar, scans.poses());
   const Run run = run_over(scans, options.run.threads, maintainer, check_poses(check, options.run));
   const Octree octree = maintainer.map();
-  if (options.undo_log) keep_for_undo(options.output);
-  save_map(options.output, octree);
+  options.undo_log ? save_map_with_undo(options.output, octree) : save_map(options.output, octree);
   const ChangeReport report{options.output, run, LeafCounts(before), LeafCounts(octree),
                             compare(before, octree)};
   if (!options.report.empty()) write_report(options.report, report, before, octree);

@@ -59,7 +59,7 @@ TEST_F(BadInputTest, Clouds) {
   std::string unknown = pcd("x y z", "1", "ascii\n1 2 3\n");
   unknown.replace(unknown.find("TYPE F"), 6, "TYPE Q");
   expect_cloud_refused("type.pcd", unknown, "type.pcd: at line");
-  expect_cloud_refused("cloud.las", "LASF", "is no known kind of point cloud");
+  expect_cloud_refused("cloud.e57", "LASF", "is no known kind of point cloud");
 }
 
 TEST_F(BadInputTest, CloudsWithoutAUsablePoint) {

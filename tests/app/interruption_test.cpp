@@ -60,6 +60,26 @@ TEST_F(InterruptionTest, BuildSavesWhatItHasAndSaysSo) {
   expect_done({"info", name("map.evm")});
 }
 
+TEST_F(InterruptionTest, ASecondWriterIsRefused) {
+  make_drive("before", 1, true);
+  make_drive("now", 1000, false);
+  expect_done(build("before", "map.evm"));
+  std::vector<std::string> arguments = update("map.evm", "now", "map.evm");
+  arguments.insert(arguments.begin(), "--verbose");
+  const std::unique_ptr<Process> process = start(arguments);
+  while (!std::filesystem::exists(path("stderr")) ||
+         content(path("stderr")).find(".bin") == std::string::npos)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  Process second(update("map.evm", "before", "map.evm"), path("stdout2"), path("stderr2"));
+  EXPECT_EQ(second.wait(), 1);
+  EXPECT_NE(content(path("stderr2")).find("is being changed by process"), std::string::npos)
+      << content(path("stderr2"));
+  process->send(SIGTERM);
+  EXPECT_EQ(process->wait(), 128 + SIGTERM);
+  expect_done({"info", name("map.evm")});
+  expect_done(update("map.evm", "before", "map.evm"));
+}
+
 TEST_F(InterruptionTest, KilledWhileSavingTheMapIsOldOrNew) {
   std::vector<float> values;
   for (int i = 0; i < 100'000; ++i) {

@@ -193,5 +193,29 @@ TEST_F(LocalizeTest, WrongUseIsNamed) {
   EXPECT_EQ(run(localize({"--initial-pose", "1 2 3"})).exit_code, 2);
 }
 
+TEST_F(LocalizeTest, AnotherRateOfScansIsNoticed) {
+  std::filesystem::create_directory(path("fast"));
+  const std::vector<float> values = [&] {
+    std::vector<float> xyzt;
+    const std::string bytes = room(true);
+    for (std::size_t i = 0; i + 16 <= bytes.size(); i += 16) {
+      float xyz[3];
+      std::memcpy(xyz, bytes.data() + i, sizeof(xyz));
+      xyzt.insert(xyzt.end(),
+                  {xyz[0], xyz[1], xyz[2], 0.05F * static_cast<float>(i) / static_cast<float>(bytes.size())});
+    }
+    return xyzt;
+  }();
+  const std::string points = std::to_string(values.size() / 4);
+  const std::string header =
+      "VERSION 0.7\nFIELDS x y z t\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH " + points +
+      "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + points + "\nDATA binary\n";
+  for (int i = 0; i < 3; ++i) make("fast/" + std::to_string(i) + ".pcd", header + bytes_of(values));
+  const Result result = run({"build", name("fast"), "-r", "0.4", "-o", name("fast.evm")});
+  EXPECT_NE(result.err.find("taken for 20 a second"), std::string::npos) << result.err;
+  const Result told = run({"build", name("fast"), "-r", "0.4", "--rate", "20", "-o", name("fast.evm")});
+  EXPECT_EQ(told.err.find("a second"), std::string::npos) << told.err;
+}
+
 }  // namespace
 }  // namespace evermap

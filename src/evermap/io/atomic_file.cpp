@@ -36,6 +36,24 @@ std::filesystem::path follow_links(const std::filesystem::path& path) {
 
 }  // namespace
 
+void sync_folder_of(const std::filesystem::path& file) {
+  const auto fail = [&](int error) {
+    throw FileError(file, "its folder cannot be synced: " + std::generic_category().message(error));
+  };
+  const int folder = ::open(folder_of(file).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) {
+    if (errno == EACCES) return;  // a folder one may write but not list cannot be synced by any means
+    fail(errno);
+  }
+  int error = 0;
+  do {
+    error = ::fsync(folder) == 0 ? 0 : errno;
+  } while (error == EINTR);
+  ::close(folder);
+  // Some network file systems know no sync of folders and say so with EINVAL.
+  if (error != 0 && error != EINVAL) fail(error);
+}
+
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)), target_(follow_links(path_)) {
   struct stat status {};
   const bool exists = ::stat(target_.c_str(), &status) == 0;
@@ -78,7 +96,7 @@ void AtomicFile::commit() {
   close();
   if (::rename(temporary_path_.c_str(), target_.c_str()) != 0) fail(errno, "cannot be replaced");
   temporary_path_.clear();
-  sync_folder();
+  sync_folder_of(target_);
 }
 
 /// The name does not grow with the target's, so that it fits wherever the target's fits; O_EXCL makes names
@@ -112,18 +130,6 @@ void AtomicFile::flush() {
 void AtomicFile::close() {
   // Linux closes the descriptor even when close() is interrupted: trying again could close another's.
   if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) fail(errno, "cannot be written");
-}
-
-void AtomicFile::sync_folder() const {
-  const int folder = ::open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) {
-    if (errno == EACCES) return;  // a folder one may write but not list cannot be synced by any means
-    fail(errno, "its folder cannot be synced");
-  }
-  const int error = ::fsync(folder) == 0 ? 0 : errno;
-  ::close(folder);
-  // Some network file systems know no sync of folders and say so with EINVAL.
-  if (error != 0 && error != EINVAL) fail(error, "its folder cannot be synced");
 }
 
 void AtomicFile::fail(int error, const std::string& what) const {

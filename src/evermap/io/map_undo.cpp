@@ -1,45 +1,144 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <memory>
+#include <string>
 #include <system_error>
+#include <vector>
 
-#include <evermap/files/file_error.hpp>
+#include <xxhash.h>
+
+#include <evermap/files/detail/input_file.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
 #include <evermap/io/detail/map_undo.hpp>
 #include <evermap/io/map_file.hpp>
 
 namespace evermap {
+namespace {
 
-std::filesystem::path undo_path(const std::filesystem::path& map) {
-  std::filesystem::path path = map;
-  return path += ".undo";
+constexpr std::size_t kBlock = std::size_t{1} << 20;  // [bytes]
+
+/// The file behind links, which need not exist.
+std::filesystem::path target_of(const std::filesystem::path& map) {
+  std::error_code error;
+  std::filesystem::path target = std::filesystem::weakly_canonical(map, error);
+  if (error) throw FileError(map, "cannot be kept for undo: " + error.message());
+  return target;
 }
 
-void keep_for_undo(const std::filesystem::path& map) {
-  std::error_code error;
-  const std::filesystem::path target = std::filesystem::canonical(map, error);  // the file behind links
-  if (error == std::errc::no_such_file_or_directory) return;
-  if (error) throw FileError(map, "cannot be kept for undo: " + error.message());
-  std::filesystem::path temporary = undo_path(map);
-  temporary += ".tmp";
-  std::filesystem::remove(temporary, error);
-  std::filesystem::create_hard_link(target, temporary, error);
-  if (error) {
-    error.clear();
-    std::filesystem::copy_file(target, temporary, error);  // a file system without hard links
+std::filesystem::path with_suffix(std::filesystem::path path, const std::string& suffix) {
+  return path += suffix;
+}
+/// The map as it was when a run began to save, until it has saved.
+std::filesystem::path pending_path(const std::filesystem::path& target) {
+  return with_suffix(target, ".undo.pending");
+}
+/// What to bring back for the map that is there now.
+std::filesystem::path undo_path(const std::filesystem::path& target) {
+  InputStream map(target);
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
+  XXH3_64bits_reset(state.get());
+  std::string block;
+  while (map.rest() > 0) {
+    block.clear();
+    map.append_to(block, std::min<std::uint64_t>(map.rest(), kBlock));
+    XXH3_64bits_update(state.get(), block.data(), block.size());
   }
-  if (!error) std::filesystem::rename(temporary, undo_path(map), error);
-  if (error) throw FileError(undo_path(map), "the map cannot be kept for undo: " + error.message());
+  std::array<char, 17> hash{};
+  std::snprintf(hash.data(), hash.size(), "%016llx",
+                static_cast<unsigned long long>(XXH3_64bits_digest(state.get())));
+  return with_suffix(target, std::string(".undo.") + hash.data());
+}
+
+std::vector<std::filesystem::path> kept_for(const std::filesystem::path& target) {
+  std::vector<std::filesystem::path> kept;
+  const std::string prefix = target.filename().string() + ".undo.";
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(target.parent_path(), error)) {
+    if (entry.path().filename().string().starts_with(prefix)) kept.push_back(entry.path());
+  }
+  return kept;
+}
+
+void move(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::error_code error;
+  std::filesystem::rename(from, to, error);
+  if (error) throw FileError(to, "cannot be put in place: " + error.message());
+  sync_folder_of(to);
+}
+
+void keep(const std::filesystem::path& target) {
+  const std::filesystem::path pending = pending_path(target);
+  std::error_code error;
+  std::filesystem::create_hard_link(target, pending, error);
+  if (!error) return;
+  InputStream map(target);  // a file system without hard links
+  AtomicFile copy(pending);
+  std::string block;
+  while (map.rest() > 0) {
+    block.clear();
+    map.append_to(block, std::min<std::uint64_t>(map.rest(), kBlock));
+    copy.write(block);
+  }
+  copy.commit();
+}
+
+/// What was kept belongs to the map that has just been saved.
+void publish(const std::filesystem::path& target) {
+  const std::filesystem::path undo = undo_path(target);
+  move(pending_path(target), undo);
+  std::error_code ignored;
+  for (const std::filesystem::path& kept : kept_for(target)) {
+    if (kept != undo) std::filesystem::remove(kept, ignored);
+  }
+}
+
+bool are_same(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code error;
+  if (std::filesystem::equivalent(a, b, error)) return true;
+  if (std::filesystem::file_size(a, error) != std::filesystem::file_size(b, error)) return false;
+  return InputFile(a).bytes() == InputFile(b).bytes();
+}
+
+/// Ends what a run began that was killed: it had saved when the map is no longer what it kept.
+void settle(const std::filesystem::path& target) {
+  const std::filesystem::path pending = pending_path(target);
+  std::error_code error;
+  if (!std::filesystem::exists(pending, error)) return;
+  if (!std::filesystem::exists(target, error) || are_same(pending, target)) {
+    std::filesystem::remove(pending, error);
+  } else {
+    publish(target);
+  }
+}
+
+}  // namespace
+
+void save_map_with_undo(const std::filesystem::path& map, const Octree& octree) {
+  const std::filesystem::path target = target_of(map);
+  std::error_code error;
+  settle(target);
+  const bool is_replaced = std::filesystem::exists(target, error);
+  if (is_replaced) keep(target);
+  save_map(map, octree);
+  if (is_replaced) settle(target);
 }
 
 void undo_map(const std::filesystem::path& map) {
-  const std::filesystem::path kept = undo_path(map);
+  const std::filesystem::path target = target_of(map);
+  settle(target);
+  const std::filesystem::path kept = undo_path(target);
   std::error_code error;
   if (!std::filesystem::exists(kept, error)) {
-    throw FileError(kept, "no map was kept here; update and localize keep one with --undo-log");
+    throw FileError(map, kept_for(target).empty()
+                             ? "no map was kept for undo; update and localize keep one with --undo-log"
+                             : "the map that was kept is not the one before this: a later run replaced it "
+                               "without --undo-log");
   }
   load_map(kept);  // a damaged map must not replace a good one
-  const std::filesystem::path target = std::filesystem::weakly_canonical(map, error);
-  if (!error) std::filesystem::rename(kept, target, error);
-  if (error) throw FileError(map, "cannot be brought back: " + error.message());
+  move(kept, target);
 }
 
 }  // namespace evermap

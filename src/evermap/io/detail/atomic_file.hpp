@@ -34,7 +34,6 @@ class AtomicFile {
   void write_through(const char* data, std::size_t size);
   void flush();
   void close();
-  void sync_folder() const;
   [[noreturn]] void fail(int error, const std::string& what) const;
 
   std::filesystem::path path_;            ///< as the caller named it, for messages
@@ -46,5 +45,8 @@ class AtomicFile {
 
 /// Makes a folder and those above it, where they are missing. Throws FileError.
 void make_folder(const std::filesystem::path& path);
+
+/// Makes renames in the folder of a file last. Throws FileError naming the file.
+void sync_folder_of(const std::filesystem::path& file);
 
 }  // namespace evermap

@@ -4,18 +4,22 @@
 
 #include <filesystem>
 
+#include <evermap/map/octree.hpp>
+
 namespace evermap {
 
-/// Where a map file is kept that is about to be replaced: `map.evm.undo` beside `map.evm`.
-std::filesystem::path undo_path(const std::filesystem::path& map);
+/// save_map(), after which undo_map() brings back the map that was replaced, if there was one. That is kept
+/// beside the new one as `map.evm.undo.HASH`, where HASH is of the new map: it is brought back for that map
+/// and for no other. What was kept before is dropped. A hard link where the file system has them: no bytes
+/// are copied.
+///
+/// Whenever the process ends, undo_map() brings back the map before the last one that was saved, or says that
+/// it cannot. Throws FileError. One writer at a time (MapLock).
+void save_map_with_undo(const std::filesystem::path& map, const Octree& octree);
 
-/// Keeps a map file as it is now, so that undo_map can bring it back after it was replaced; what was kept
-/// before is dropped. A hard link where the file system has them: no bytes are copied. Does nothing when
-/// there is no such file. At any crash, what is kept is a whole map. Throws FileError.
-void keep_for_undo(const std::filesystem::path& map);
-
-/// Brings back the map that was kept, bit for bit, in one step, and keeps none. Throws FileError when none
-/// was kept, or when it is damaged: then nothing changes.
+/// Brings back the map before, bit for bit, in one step, and durably. Throws FileError, and changes nothing,
+/// when none was kept for the map as it is now, or when what was kept is damaged. One writer at a time
+/// (MapLock).
 void undo_map(const std::filesystem::path& map);
 
 }  // namespace evermap
