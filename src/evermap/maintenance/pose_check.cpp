@@ -140,7 +140,10 @@ std::string PoseCheck::verdict() const {
                               : "the scans do not lie on the map where their poses put them (") +
       percent(fit_) + ")";
   constexpr double kClearly = 0.8;  // of the best
-  if (*best > 0.5 * n && fit_ < kClearly * *best) {
+  // The first scans of few beams lie on each other in a third of the places at most.
+  const bool is_clear = *best > 0.5 * n && fit_ < kClearly * *best;
+  const bool is_clear_of_few = is_growing_ && *best > 0.1 * n && fit_ < 0.5 * *best;
+  if (is_clear || is_clear_of_few) {
     const Mistake& mistake = kMistakes[static_cast<std::size_t>(best - mended_fit_.begin())];
     return misfit + " and do (" + percent(*best) + ") if " + std::string(mistake.words);
   }
