@@ -19,6 +19,7 @@ namespace {
 struct ExportOptions {
   std::filesystem::path map;
   std::filesystem::path output;
+  double tiles = 0;  ///< [m] edge of a tile; 0: one file
 };
 
 std::vector<MapFormat> export_formats() {
@@ -29,6 +30,13 @@ std::vector<MapFormat> export_formats() {
 }
 
 void run_export(const ExportOptions& options) {
+  if (options.tiles > 0) {
+    const Octree octree = load_map(options.map);
+    const std::size_t tiles = export_tiles(octree, options.output, options.tiles);
+    fmt::print("folder   {}\ntiles    {}\nleaves   {}\n", options.output.string(), tiles,
+               LeafCounts(octree).occupied);
+    return;
+  }
   const std::vector<MapFormat> formats = export_formats();
   check_export_extension(options.output, formats);
   check_writable(options.output);
@@ -43,7 +51,13 @@ void add_export(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("export", "Write a map's occupied leaves for other programs");
   const auto options = std::make_shared<ExportOptions>();
   verb->add_option("MAP.evm", options->map, "Map to read")->required();
-  verb->add_option("OUT", options->output, "File to write: .pcd, .ply, or OctoMap's .ot or .bt")->required();
+  verb->add_option("OUT", options->output,
+                   "File to write: .pcd, .ply, .las, OctoMap's .ot or .bt, or .pgm for Nav2")
+      ->required();
+  verb->add_option("--tiles", options->tiles, "Write a folder of .pcd tiles of that size for Autoware")
+      ->check(CLI::Range(1.0, 10000.0))
+      ->type_name("M")
+      ->default_str("one file");
   verb->callback([options] { run_export(*options); });
 }
 

@@ -1,9 +1,14 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
 #include <string>
 
 #include <evermap/files/detail/input_file.hpp>
 #include <evermap/files/detail/record_layout.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
 #include <evermap/io/detail/las.hpp>
 #include <evermap/io/detail/scan_builder.hpp>
 
@@ -12,7 +17,9 @@ namespace {
 
 // Where the public header has what is needed here [bytes].
 constexpr std::size_t kMajor = 24, kMinor = 25, kPointsAt = 96, kPointFormat = 104, kPointSize = 105;
-constexpr std::size_t kCount32 = 107, kScale = 131, kOffset = 155, kCount64 = 247;
+constexpr std::size_t kSoftware = 58, kHeaderSize = 94, kCount32 = 107, kCountOfFirstReturns = 111,
+                      kScale = 131;
+constexpr std::size_t kOffset = 155, kExtent = 179, kCount64 = 247;
 constexpr std::size_t kHeader = 227, kHeader14 = 375;
 
 }  // namespace
@@ -60,6 +67,56 @@ Scan read_las(const std::filesystem::path& path, CloudNotes* notes) {
   }
   if (notes != nullptr) notes->farthest_coordinate = farthest_coordinate(scan);
   return scan;
+}
+
+void write_las(const std::filesystem::path& path, const std::vector<Eigen::Vector3d>& points) {
+  constexpr double kStep = 0.001;  // [m]
+  Eigen::Vector3d least = Eigen::Vector3d::Zero();
+  Eigen::Vector3d greatest = Eigen::Vector3d::Zero();
+  if (!points.empty()) least = greatest = points.front();
+  for (const Eigen::Vector3d& p : points) {
+    least = least.cwiseMin(p);
+    greatest = greatest.cwiseMax(p);
+  }
+  const Eigen::Vector3d offset = least.array().floor();
+  constexpr double kReach = 2e6;  // [m]
+  const bool fits =
+      (greatest - least).maxCoeff() < kReach && points.size() <= std::numeric_limits<std::uint32_t>::max();
+  if (!fits) throw FileError(path, "the map is too large for LAS; export it as .pcd or .ply");
+  std::string header(kHeader, '\0');
+  const auto put = [&](std::size_t at, const auto& value) {
+    std::memcpy(header.data() + at, &value, sizeof(value));
+  };
+  std::memcpy(header.data(), "LASF", 4);
+  put(kMajor, std::uint8_t{1});
+  put(kMinor, std::uint8_t{2});
+  std::memcpy(header.data() + kSoftware, "evermap", 7);
+  put(kHeaderSize, static_cast<std::uint16_t>(kHeader));
+  put(kPointsAt, static_cast<std::uint32_t>(kHeader));
+  constexpr std::uint16_t kRecord = 20;
+  put(kPointSize, kRecord);
+  put(kCount32, static_cast<std::uint32_t>(points.size()));
+  put(kCountOfFirstReturns, static_cast<std::uint32_t>(points.size()));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    put(kScale + 8 * axis, kStep);
+    put(kOffset + 8 * axis, offset[i]);
+    put(kExtent + 16 * axis, greatest[i]);
+    put(kExtent + 16 * axis + 8, least[i]);
+  }
+  AtomicFile file(path);
+  file.write(header);
+  for (const Eigen::Vector3d& p : points) {
+    std::array<char, kRecord> record{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto i = static_cast<Eigen::Index>(axis);
+      const auto steps = static_cast<std::int32_t>(std::llround((p[i] - offset[i]) / kStep));
+      std::memcpy(record.data() + 4 * axis, &steps, sizeof(steps));
+    }
+    record[14] = 0b00'001'001;  // the first return of one
+    file.write(record.data(), record.size());
+  }
+  file.commit();
 }
 
 }  // namespace evermap
