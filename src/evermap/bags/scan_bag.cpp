@@ -121,7 +121,7 @@ std::optional<Pose> ScanBag::pose_at(double time) const { return pose_of(now_, t
 
 std::optional<Pose> ScanBag::pose_of(const CloudMessage& cloud, double time) const {
   if (!reference_frame_.empty()) return transforms_.lookup(reference_frame_, cloud.frame, time);
-  const std::optional<Pose> T_reference_child = reference_.at(time);
+  std::optional<Pose> T_reference_child = reference_.at(time);
   if (!T_reference_child || child_.empty() || child_ == cloud.frame) return T_reference_child;
   // A recording without transforms of the sensor: its poses are taken for the sensor's own.
   return *T_reference_child * transforms_.lookup(child_, cloud.frame, time).value_or(Pose{});

@@ -70,7 +70,7 @@ constexpr double kFits = 0.8;  ///< of a scan's bundles on the map: nothing else
 
 }  // namespace
 
-PoseCheck::PoseCheck(Octree map, const LidarParameters& lidar, std::vector<Pose> poses)
+PoseCheck::PoseCheck(const Octree& map, const LidarParameters& lidar, std::vector<Pose> poses)
     : maps_(1 + kMistakes.size(), map),
       is_growing_(map.empty()),
       lidar_(lidar),

@@ -21,7 +21,7 @@ class PoseCheck {
  public:
   /// `map` as it was before the scans, empty for scans that make one; `poses` of all scans, as given, as far
   /// as they are known.
-  PoseCheck(Octree map, const LidarParameters& lidar, std::vector<Pose> poses);
+  PoseCheck(const Octree& map, const LidarParameters& lidar, std::vector<Pose> poses);
 
   /// The pose of a scan, which may be known only now.
   void note(std::size_t scan, const Pose& T_map_sensor);
