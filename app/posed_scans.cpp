@@ -143,7 +143,7 @@ std::vector<std::string> PosedScans::remarks() const {
   if (without_pose_ > 0)
     remarks.push_back(
         fmt::format("{} scans have no pose near their time; they were left out", without_pose_));
-  for (std::string& remark : remarks) remark = path_.string() + ": " + remark;
+  for (std::string& remark : remarks) remark.insert(0, path_.string() + ": ");
   return remarks;
 }
 
