@@ -72,7 +72,9 @@ void add_odometry_options(CLI::App& verb, LocalizedScans& options) {
 double scan_period_of(const LocalizedScans& options, double configured) {
   if (options.rate) return 1 / *options.rate;
   constexpr int kFirst = 8;  // scans
-  const std::unique_ptr<ScanSource> scans = open_scans(options.scans, options.reading);
+  ScanOptions reading = options.reading;
+  reading.selection.every = 1;
+  const std::unique_ptr<ScanSource> scans = open_scans(options.scans, reading);
   std::vector<double> spans;  // [s] from stamp to stamp, or, without stamps, of the points
   std::optional<double> last;
   for (int i = 0; i < kFirst; ++i) {

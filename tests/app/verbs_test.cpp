@@ -119,7 +119,8 @@ TEST_F(VerbsTest, ExportWritesEveryFormat) {
     EXPECT_GT(std::filesystem::file_size(path(out)), 100U) << out;
   }
   EXPECT_NE(content(path("out.pcd")).find("POINTS " + std::to_string(leaves) + "\n"), std::string::npos);
-  expect_failed({"export", name("map.evm"), name("out.e57")}, "known are .pcd, .ply, .las, .pgm, .ot and .bt");
+  expect_failed({"export", name("map.evm"), name("out.e57")},
+                "known are .pcd, .ply, .las, .pgm, .ot and .bt");
 }
 
 TEST_F(VerbsTest, BinFieldsAreSaidWhereTheFileDoesNotTell) {

@@ -130,7 +130,8 @@ TEST_F(MapExportTest, EmptyMapsCanBeExported) {
 TEST_F(MapExportTest, UnknownExtensionsAreRefused) {
   for (const char* name : {"map.ot", "map", "map.pcd.gz"}) {
     file_error(path(name), "known are .pcd, .ply, .las and .pgm", [&] { export_map(octree_, path(name)); });
-    file_error(path(name), "known are .pcd, .ply, .las and .pgm", [&] { check_export_extension(path(name)); });
+    file_error(path(name), "known are .pcd, .ply, .las and .pgm",
+               [&] { check_export_extension(path(name)); });
   }
   check_export_extension("map.PLY");
   EXPECT_EQ(files_in_folder(), 0U);

@@ -165,7 +165,8 @@ std::size_t BagReader::topic_of(std::string_view name, std::string_view type, Wi
   // package/msg/Type in ROS 2, package/Type in ROS 1.
   std::string short_type(type);
   constexpr std::string_view kMiddle = "/msg";
-  if (const std::size_t at = short_type.find("/msg/"); at != std::string::npos) short_type.erase(at, kMiddle.size());
+  if (const std::size_t at = short_type.find("/msg/"); at != std::string::npos)
+    short_type.erase(at, kMiddle.size());
   topics_.push_back({std::string(name), std::move(short_type), wire});
   return topics_.size() - 1;
 }

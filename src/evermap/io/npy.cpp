@@ -109,8 +109,7 @@ std::optional<RecordLayout> record_layout_of(std::string_view descr, std::endian
     std::string_view field = take_until(descr, ')');
     const std::string_view name = unquoted(take_until(field, ','));
     const std::optional<Scalar> type = type_of(take_until(field, ','), order);
-    if (!type || !field.empty() || !layout.append(std::string(name), *type, 1))
-      return std::nullopt;
+    if (!type || !field.empty() || !layout.append(std::string(name), *type, 1)) return std::nullopt;
     take_until(descr, '(');
   }
   return layout;

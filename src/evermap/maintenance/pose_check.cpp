@@ -71,7 +71,7 @@ constexpr double kFits = 0.8;  ///< of a scan's bundles on the map: nothing else
 }  // namespace
 
 PoseCheck::PoseCheck(const Octree& map, const LidarParameters& lidar, std::vector<Pose> poses)
-    : maps_(1 + kMistakes.size(), map),
+    : maps_(map.empty() ? 1 + kMistakes.size() : 1, map),
       is_growing_(map.empty()),
       lidar_(lidar),
       poses_(std::move(poses)),
@@ -119,7 +119,8 @@ void PoseCheck::add(std::size_t scan, const Scan& points, double contradicting) 
     const double given = fit(maps_.front(), points, poses_[scan]);
     fit_ += given;
     for (std::size_t i = 0; i < kMistakes.size(); ++i) {
-      mended_fit_[i] += given > kFits ? given : fit(maps_[1 + i], points, kMistakes[i].mended(poses_, scan));
+      mended_fit_[i] +=
+          given > kFits ? given : fit(map_without(i), points, kMistakes[i].mended(poses_, scan));
     }
   }
   if (!is_growing_) return;

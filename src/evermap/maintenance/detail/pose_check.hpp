@@ -38,7 +38,9 @@ class PoseCheck {
   double fit(const Octree& map, const Scan& points, const Pose& T_map_sensor) const;
   bool has_moved(std::size_t scan) const;
 
-  std::vector<Octree> maps_;  ///< by the poses as given, and without each of the mistakes
+  const Octree& map_without(std::size_t mistake) const { return maps_[is_growing_ ? 1 + mistake : 0]; }
+
+  std::vector<Octree> maps_;  ///< by the poses as given, and, when they grow, without each of the mistakes
   bool is_growing_;
   LidarParameters lidar_;
   std::vector<Pose> poses_;
