@@ -105,13 +105,17 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
                                                     : ScanPoses(options.odometry, options.scans, reading);
   const std::unique_ptr<ScanSource> scans = open_scans(options.scans, reading);
   LocalizedRun result;
+  std::string point_time;
   std::size_t backwards = 0;
   bool is_matched = false;
   double time = -std::numeric_limits<double>::infinity();
   result.run = run_over(scans->size(), options.threads, [&](const TakeScan& take) {
     const std::optional<Scan> scan = scans->next();
     if (!scan) return false;
-    if (!std::exchange(is_matched, true)) odometry.match(*scans, options.scans, *scan);
+    if (!std::exchange(is_matched, true)) {
+      odometry.match(*scans, options.scans, *scan);
+      point_time = point_time_in_words(scans->notes());
+    }
     const double by_count = static_cast<double>(scans->index() + 1) * scan_period;
     const double now = scan->time.value_or(odometry.time(*scans).value_or(by_count));
     const std::optional<Pose> T_odom_sensor = odometry.end_of(*scan, *scans);
@@ -124,6 +128,7 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
     record(result, time, take([&] { return maintainer.process(*scan, time, T_odom_sensor); }));
     return true;
   });
+  result.run.point_time = point_time;
   result.run.failure = scans->failure();
   for (const std::string& remark : scans->remarks()) spdlog::warn("{}: {}", options.scans.string(), remark);
   if (backwards > 0) {

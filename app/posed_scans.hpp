@@ -73,6 +73,8 @@ class PosedScans {
   std::vector<Pose> poses() const { return poses_.one_to_one(); }
   /// The next scan that has a pose.
   std::optional<PosedScan> next();
+  /// What was made of the last scan.
+  const CloudNotes& notes() const { return scans_->notes(); }
   std::vector<std::string> remarks() const;
   std::string failure() const { return scans_->failure(); }
 

@@ -63,6 +63,7 @@ Json to_json(const Run& run) {
             {"empty", run.scans_empty},
             {"interrupted", run.stopped_by != 0}}},
           {"points", to_json(run.points)},
+          {"point_time", run.point_time},
           {"seconds_per_scan", {{"wall", to_json(Spread(run.wall))}, {"cpu", to_json(Spread(run.cpu))}}}};
 }
 
@@ -93,7 +94,8 @@ std::string to_text(const Run& run) {
   const std::string empty =
       run.scans_empty > 0 ? fmt::format("; {} without a usable point skipped", run.scans_empty) : "";
   return interrupted + fmt::format("scans    {} of {}{}\n", run.scans_done, run.scans_total, empty) +
-         to_text(run.points) + "wall     per scan: " + to_text(Spread(run.wall)) + "\n" +
+         (run.point_time.empty() ? "" : "times    " + run.point_time + "\n") + to_text(run.points) +
+         "wall     per scan: " + to_text(Spread(run.wall)) + "\n" +
          "CPU      per scan: " + to_text(Spread(run.cpu)) + "\n";
 }
 

@@ -43,6 +43,8 @@ void check_any_used(const ScanResult::PointCounts& points, const std::filesystem
                                     points.total, dropped_in_words(points)));
 }
 
+std::string point_time_in_words(const CloudNotes& notes) { return notes.time ? notes.time->describe() : ""; }
+
 void end_as(const Run& run) {
   if (run.stopped_by != 0) throw Interrupted(run.stopped_by);
   if (!run.failure.empty()) throw std::runtime_error(run.failure);
@@ -79,10 +81,12 @@ Run run_over(std::size_t scans, int threads, const std::function<bool(const Take
 
 Run run_over(PosedScans& scans, int threads, MapMaintainer& maintainer, const LookAtScan& look) {
   std::string last;
+  std::string point_time;
   Run run = run_over(scans.size(), threads, [&](const TakeScan& take) {
     const std::optional<PosedScan> posed = scans.next();
     if (!posed) return false;
     last = posed->place;
+    if (point_time.empty()) point_time = point_time_in_words(scans.notes());
     const ScanResult result =
         take([&] { return maintainer.process(posed->scan, posed->T_map_sensor, posed->T_map_sensor_begin); });
     if (result.reject_reason == RejectReason::kNone) {
@@ -95,6 +99,7 @@ Run run_over(PosedScans& scans, int threads, MapMaintainer& maintainer, const Lo
     return true;
   });
   for (const std::string& remark : scans.remarks()) spdlog::warn(remark);
+  run.point_time = point_time;
   run.failure = scans.failure();
   if (run.stopped_by == 0) check_any_used(run.points, last);
   return run;

@@ -29,6 +29,7 @@ struct Run {
   std::string failure;          ///< why it ended early otherwise, with what was done; empty when it did not
   std::size_t scans_empty = 0;  ///< without any usable point; nothing came of them
   ScanResult::PointCounts points;
+  std::string point_time;    ///< what the time of a point was taken for; empty when points have none
   std::vector<double> wall;  ///< [s] per scan, without reading its file
   std::vector<double> cpu;   ///< [s] per scan, of all threads together
 };
@@ -42,6 +43,9 @@ void end_as(const Run& run);
 using Work = std::function<ScanResult()>;
 using TakeScan = std::function<ScanResult(const Work& work)>;
 Run run_over(std::size_t scans, int threads, const std::function<bool(const TakeScan& take)>& next);
+
+/// What the time of a scan's points was taken for; empty when they have none.
+std::string point_time_in_words(const CloudNotes& notes);
 
 /// Gives the maintainer all scans with their poses, and shows each to `look`, if there is one. Throws
 /// FileError when a scan cannot be read, or when no point of any scan could be used.

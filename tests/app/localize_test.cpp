@@ -213,6 +213,9 @@ TEST_F(LocalizeTest, AnotherRateOfScansIsNoticed) {
   for (int i = 0; i < 3; ++i) make("fast/" + std::to_string(i) + ".pcd", header + bytes_of(values));
   const Result result = run({"build", name("fast"), "-r", "0.4", "-o", name("fast.evm")});
   EXPECT_NE(result.err.find("taken for 20 a second"), std::string::npos) << result.err;
+  EXPECT_NE(result.out.find("times    field 't' (float32) in seconds, 0.05 s from first to last"),
+            std::string::npos)
+      << result.out;
   const Result told = run({"build", name("fast"), "-r", "0.4", "--rate", "20", "-o", name("fast.evm")});
   EXPECT_EQ(told.err.find("a second"), std::string::npos) << told.err;
 }
