@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "files/file_fixture.hpp"
+#include <evermap/io/detail/atomic_file.hpp>
 #include <evermap/io/detail/map_lock.hpp>
 
 namespace evermap {
@@ -41,6 +42,27 @@ TEST_F(MapLockTest, ASecondWriterIsToldWhoHoldsTheMap) {
   const MapLock another(path("other.evm"));
   kill(child);
   const MapLock lock(path("map.evm"));  // the dead hold nothing
+}
+
+TEST_F(MapLockTest, WhatADeadWriterLeftIsRemovedAndWhatALivingOneWritesStays) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    AtomicFile file(path("map.evm"));
+    std::ofstream(path("held")) << "yes";
+    for (;;) ::pause();
+  }
+  while (!std::filesystem::exists(path("held"))) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  std::filesystem::remove(path("held"));
+  AtomicFile living(path("poses.txt"));
+  living.write("1");
+  EXPECT_EQ(files_in_folder(), 2U);
+  { const MapLock lock(path("map.evm")); }
+  EXPECT_EQ(files_in_folder(), 2U);
+  kill(child);
+  { const MapLock lock(path("map.evm")); }
+  EXPECT_EQ(files_in_folder(), 1U);
+  living.commit();
+  EXPECT_EQ(content(path("poses.txt")), "1");
 }
 
 TEST_F(MapLockTest, WhoHasPatienceGetsIt) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cerrno>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
@@ -15,10 +16,20 @@ namespace {
 
 constexpr std::size_t kBufferSize = 1 << 20;  // [bytes] few system calls, and no more than a cache holds
 constexpr int kMaxLinks = 40;                 // what the kernel itself follows
-constexpr int kMaxAttempts = 1000;            // leftovers of crashed processes that had this process's id
+constexpr std::string_view kTemporaryPrefix = ".evermap-";
+constexpr std::string_view kTemporarySuffix = ".tmp";
+constexpr int kMaxAttempts = 1000;  // leftovers of crashed processes that had this process's id
 
 std::filesystem::path folder_of(const std::filesystem::path& file) {
   return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+}
+
+/// Locks a file that was just made, by which others know that its writer lives. False when one of them was
+/// quicker and took it for a leftover.
+bool is_ours(int descriptor) {
+  struct stat status {};
+  return ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 ||
+         (::fstat(descriptor, &status) == 0 && status.st_nlink > 0);
 }
 
 /// Follows links by hand, because a link may point to a file that does not exist yet.
@@ -52,6 +63,18 @@ void sync_folder_of(const std::filesystem::path& file) {
   ::close(folder);
   // Some network file systems know no sync of folders and say so with EINVAL.
   if (error != 0 && error != EINVAL) fail(error);
+}
+
+void remove_leftovers_beside(const std::filesystem::path& file) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_of(file), error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(kTemporaryPrefix) || !name.ends_with(kTemporarySuffix)) continue;
+    const int descriptor = ::open(entry.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (descriptor < 0) continue;
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(entry.path().c_str());
+    ::close(descriptor);
+  }
 }
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)), target_(follow_links(path_)) {
@@ -92,7 +115,16 @@ void AtomicFile::write(const void* data, std::size_t size) {
 
 void AtomicFile::commit() {
   flush();
-  if (::fsync(descriptor_) != 0) fail(errno, "cannot be written to the device");
+  int synced = 0;
+  do {
+    synced = ::fsync(descriptor_);
+  } while (synced != 0 && errno == EINTR);
+  if (synced != 0) fail(errno, "cannot be written to the device");
+  // The lock outlives the descriptor, whose closing must be seen to succeed, until the file has its name.
+  const struct Lock {
+    ~Lock() { ::close(descriptor); }
+    int descriptor;
+  } lock{::dup(descriptor_)};
   close();
   if (::rename(temporary_path_.c_str(), target_.c_str()) != 0) fail(errno, "cannot be replaced");
   temporary_path_.clear();
@@ -102,11 +134,15 @@ void AtomicFile::commit() {
 /// The name does not grow with the target's, so that it fits wherever the target's fits; O_EXCL makes names
 /// unique among threads without a shared counter.
 void AtomicFile::open_temporary(unsigned permissions) {
-  const std::string prefix = ".evermap-" + std::to_string(::getpid()) + "-";
+  const std::string prefix = std::string(kTemporaryPrefix) + std::to_string(::getpid()) + "-";
   for (int i = 0; i < kMaxAttempts; ++i) {
-    temporary_path_ = folder_of(target_) / (prefix + std::to_string(i) + ".tmp");
+    temporary_path_ = folder_of(target_) / (prefix + std::to_string(i) + std::string(kTemporarySuffix));
     descriptor_ = ::open(temporary_path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, permissions);
-    if (descriptor_ >= 0) return;
+    if (descriptor_ >= 0 && is_ours(descriptor_)) return;
+    if (descriptor_ >= 0) {
+      close();
+      continue;
+    }
     if (errno != EEXIST && errno != EINTR) fail(errno, "no file can be made in its folder");
   }
   fail(EEXIST, "remove old files " + prefix + "*.tmp from its folder");

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include <evermap/files/file_error.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
 #include <evermap/io/detail/map_lock.hpp>
 
 namespace evermap {
@@ -49,6 +50,7 @@ MapLock::MapLock(const std::filesystem::path& map, double patience) {
     ::close(descriptor_);
     throw FileError(map, "is being changed by " + holder + "; wait for it (--wait 60), or end it");
   }
+  remove_leftovers_beside(path_);
 }
 
 MapLock::~MapLock() {

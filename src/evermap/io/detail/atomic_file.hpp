@@ -49,4 +49,7 @@ void make_folder(const std::filesystem::path& path);
 /// Makes renames in the folder of a file last. Throws FileError naming the file.
 void sync_folder_of(const std::filesystem::path& file);
 
+/// Removes the temporary files that killed processes left in the folder of a file; those of the living stay.
+void remove_leftovers_beside(const std::filesystem::path& file);
+
 }  // namespace evermap

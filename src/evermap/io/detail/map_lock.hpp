@@ -7,7 +7,8 @@
 namespace evermap {
 
 /// Makes this process the only one that changes a map, for as long as it lives: a file beside the map
-/// (`map.evm.lock`) that says who. Released by the kernel when the process dies, however it does.
+/// (`map.evm.lock`) that says who. Released by the kernel when the process dies, however it does;
+/// the next writer removes what a dead one left in the map's folder.
 class MapLock {
  public:
   /// Waits up to `patience` [s] for another writer. Throws FileError naming the other when it is still there,
