@@ -7,8 +7,8 @@
 namespace evermap {
 namespace {
 
-constexpr double kLongestGap = 2.5;  // [s] beyond which a vehicle may have been anywhere between
-constexpr double kRounding = 1e-6;   // [s] times in files have six decimals
+constexpr double kLongestGap = 2.5;     // [s] beyond which a vehicle may have been anywhere between
+constexpr double kTimeRounding = 1e-6;  // [s] times in files have six decimals
 
 }  // namespace
 
@@ -21,10 +21,10 @@ void Trajectory::forget_before(double time) {
 }
 
 std::optional<Pose> Trajectory::at(double time) const {
-  const auto after = std::lower_bound(poses_.begin(), poses_.end(), time - kRounding,
+  const auto after = std::lower_bound(poses_.begin(), poses_.end(), time - kTimeRounding,
                                       [](const auto& pose, double t) { return pose.first < t; });
   if (after == poses_.end()) return std::nullopt;
-  if (after->first <= time + kRounding) return after->second;
+  if (after->first <= time + kTimeRounding) return after->second;
   if (after == poses_.begin()) return std::nullopt;
   const auto before = std::prev(after);
   const double gap = after->first - before->first;
