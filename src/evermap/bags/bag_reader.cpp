@@ -16,23 +16,18 @@
 namespace evermap {
 namespace {
 
+struct Format {
+  std::string_view extension;
+  std::unique_ptr<BagReader> (*open)(const std::filesystem::path& path);
+};
+const Format* format_of(const std::filesystem::path& path);
 std::unique_ptr<BagReader> open_part(const std::filesystem::path& path);
 
 /// What is compressed as a whole is read from a copy.
 class CompressedBag : public BagReader {
  public:
   explicit CompressedBag(const std::filesystem::path& path) : BagReader(path), copy_(path) {
-    std::filesystem::path name = copy_.path();
-    name += path.stem().extension();
-    std::filesystem::create_symlink(copy_.path(), name);
-    struct Link {
-      ~Link() {
-        std::error_code ignored;
-        std::filesystem::remove(name, ignored);
-      }
-      const std::filesystem::path& name;
-    } const link{name};
-    bag_ = open_part(name);
+    bag_ = format_of(path)->open(copy_.path());
     topics_ = bag_->topics();
   }
 
@@ -107,10 +102,6 @@ std::unique_ptr<BagReader> open_as(const std::filesystem::path& path) {
   return std::make_unique<Bag>(path);
 }
 
-struct Format {
-  std::string_view extension;
-  std::unique_ptr<BagReader> (*open)(const std::filesystem::path& path);
-};
 constexpr std::array<Format, 3> kFormats = {
     {{".bag", open_as<Ros1Bag>}, {".db3", open_as<SqliteBag>}, {".mcap", open_as<McapBag>}}};
 

@@ -73,8 +73,6 @@ const Compression* compression_of(std::string_view name) {
 
 }  // namespace
 
-bool is_compression(std::string_view name) { return compression_of(name) != nullptr; }
-
 std::optional<std::string> decompress(std::string_view compression, std::string_view compressed,
                                       std::uint64_t size, std::string& output) {
   const Compression* known = compression_of(compression);

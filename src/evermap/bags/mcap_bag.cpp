@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <zlib.h>
 
-#include <evermap/bags/detail/decompress.hpp>
 #include <evermap/bags/detail/mcap_bag.hpp>
 
 namespace evermap {
@@ -29,26 +28,14 @@ double seconds(std::uint64_t nanoseconds) { return 1e-9 * static_cast<double>(na
 
 }  // namespace
 
-McapBag::McapBag(const std::filesystem::path& path) : BagReader(path), file_(path), size_(file_.rest()) {
-  std::string magic;
-  file_.append_to(magic, std::min<std::uint64_t>(kMagic.size(), file_.rest()));
-  if (magic != kMagic) throw FileError(path, "is no MCAP file; copy it again");
+McapBag::McapBag(const std::filesystem::path& path) : ChunkedBag(path), size_(file_.rest()) {
+  if (!begins_with(kMagic)) throw FileError(path, "is no MCAP file; copy it again");
   if (!read_summary()) {
-    rewind();
+    go_to(kMagic.size());
     count_messages();
   }
-  rewind();
-}
-
-void McapBag::fail(const std::string& message) const {
-  throw FileError::at_byte(path(), file_.position(), message);
-}
-
-void McapBag::rewind() {
-  file_.seek(kMagic.size());
+  go_to(kMagic.size());
   is_at_end_ = false;
-  chunk_.clear();
-  chunk_position_ = 0;
 }
 
 /// False when the file has none, or not all that is needed of it.
@@ -96,7 +83,7 @@ std::optional<BagMessage> McapBag::read_next() {
     const Record record = read_record();
     is_at_end_ = record.op == kDataEnd || record.op == kFooter;
     if (record.op == kChunk) {
-      open_chunk(record.content);
+      unpack(record.content);
     } else if (std::optional<BagMessage> message = take(record)) {
       return message;
     }
@@ -104,13 +91,12 @@ std::optional<BagMessage> McapBag::read_next() {
 }
 
 McapBag::Record McapBag::read_record() {
-  constexpr const char* kCutOff = "ends inside a record; the recording was cut off, or copy the file again";
-  if (file_.rest() < kRecordHead) fail(kCutOff);
+  if (file_.rest() < kRecordHead) fail_at_end();
   std::string head;
   file_.append_to(head, kRecordHead);
   Record record{.op = static_cast<unsigned char>(head.front())};
   const auto size = reader_of(std::string_view(head).substr(1)).number<std::uint64_t>();
-  if (size > file_.rest()) fail(kCutOff);
+  if (size > file_.rest()) fail_at_end();
   const bool is_needed = record.op == kSchema || record.op == kChannel || record.op == kMessage ||
                          record.op == kChunk || record.op == kStatistics;
   if (!is_needed) {
@@ -124,7 +110,7 @@ McapBag::Record McapBag::read_record() {
 }
 
 McapBag::Record McapBag::read_chunk_record() {
-  const std::string_view rest = std::string_view(chunk_).substr(chunk_position_);
+  const std::string_view rest = rest_of_chunk();
   WireReader head = reader_of(rest);
   Record record{.op = head.number<std::uint8_t>()};
   record.content = head.take(head.number<std::uint64_t>());
@@ -133,7 +119,7 @@ McapBag::Record McapBag::read_chunk_record() {
   return record;
 }
 
-void McapBag::open_chunk(std::string_view content) {
+void McapBag::unpack(std::string_view content) {
   WireReader chunk = reader_of(content);
   chunk.skip(2, 8);  // its first and its last time
   const auto size = chunk.number<std::uint64_t>();
@@ -141,11 +127,7 @@ void McapBag::open_chunk(std::string_view content) {
   const std::string_view compression = chunk.text();
   const std::string_view compressed = chunk.take(chunk.number<std::uint64_t>());
   if (!chunk.is_good()) fail("the chunk before is damaged; copy the file again");
-  chunk_position_ = 0;
-  if (const std::optional<std::string> fault = decompress(compression, compressed, size, chunk_)) {
-    chunk_.clear();
-    fail("the chunk before " + *fault + "; copy the file again");
-  }
+  open_chunk(compression, compressed, size);
   const auto* bytes = reinterpret_cast<const Bytef*>(chunk_.data());
   if (checksum != 0 && checksum != ::crc32_z(0, bytes, chunk_.size())) {
     chunk_.clear();

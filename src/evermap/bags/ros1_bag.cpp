@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
-#include <evermap/bags/detail/decompress.hpp>
 #include <evermap/bags/detail/ros1_bag.hpp>
 #include <evermap/files/detail/record_layout.hpp>
 
@@ -52,9 +51,8 @@ std::uint64_t Ros1Bag::Record::number(std::string_view name, std::size_t size) c
   return bytes.size() == size ? little(bytes) : 0;
 }
 
-Ros1Bag::Ros1Bag(const std::filesystem::path& path) : BagReader(path), file_(path), end_(file_.rest()) {
-  file_.append_to(buffer_, std::min<std::uint64_t>(kMagic.size(), file_.rest()));
-  if (buffer_ != kMagic)
+Ros1Bag::Ros1Bag(const std::filesystem::path& path) : ChunkedBag(path), end_(file_.rest()) {
+  if (!begins_with(kMagic))
     throw FileError(path, "is no ROS 1 bag of version 2.0 (rosbag fix makes one of older ones)");
   const Record header = read_record();
   if (header.op() != kBagHeader) fail("has no bag header; copy the file again");
@@ -68,20 +66,10 @@ Ros1Bag::Ros1Bag(const std::filesystem::path& path) : BagReader(path), file_(pat
   }
   if (topics_.empty() && begin_ < end_) {
     has_index_ = false;
-    rewind();
+    go_to(begin_);
     count_messages();
   }
-  rewind();
-}
-
-void Ros1Bag::fail(const std::string& message) const {
-  throw FileError::at_byte(path(), file_.position(), message);
-}
-
-void Ros1Bag::rewind() {
-  file_.seek(begin_);
-  chunk_.clear();
-  chunk_position_ = 0;
+  go_to(begin_);
 }
 
 void Ros1Bag::read_index() {
@@ -108,7 +96,7 @@ std::optional<BagMessage> Ros1Bag::read_next() {
     }
     const Record record = read_record();
     if (record.op() == kChunk) {
-      open_chunk(record);
+      open_chunk(record.text("compression"), record.data, record.number("size", 4));
     } else if (std::optional<BagMessage> message = take(record)) {
       return message;
     }
@@ -118,21 +106,18 @@ std::optional<BagMessage> Ros1Bag::read_next() {
 Ros1Bag::Record Ros1Bag::read_record() {
   const auto length = [&] {
     std::string bytes;
-    if (file_.rest() < kLength)
-      fail("ends inside a record; the recording was cut off, or copy the file again");
+    if (file_.rest() < kLength) fail_at_end();
     file_.append_to(bytes, kLength);
     return little(bytes);
   };
   const std::uint64_t header_size = length();
   if (header_size > kGreatestHeader) fail("a record's header is damaged; copy the file again");
-  if (header_size > file_.rest())
-    fail("ends inside a record; the recording was cut off, or copy the file again");
+  if (header_size > file_.rest()) fail_at_end();
   buffer_.clear();
   file_.append_to(buffer_, header_size);
   const unsigned op = parse_header(buffer_).op();
   const std::uint64_t data_size = length();
-  if (data_size > file_.rest())
-    fail("ends inside a record; the recording was cut off, or copy the file again");
+  if (data_size > file_.rest()) fail_at_end();
   if (op == kIndexData || op == kBagHeader) {
     file_.seek(file_.position() + data_size);
   } else {
@@ -145,7 +130,7 @@ Ros1Bag::Record Ros1Bag::read_record() {
 }
 
 Ros1Bag::Record Ros1Bag::read_chunk_record() {
-  std::string_view rest = std::string_view(chunk_).substr(chunk_position_);
+  std::string_view rest = rest_of_chunk();
   const std::optional<std::string_view> header = take_block(rest);
   const std::optional<std::string_view> data = take_block(rest);
   if (!header || !data) fail("the chunk before ends inside a record; copy the file again");
@@ -164,15 +149,6 @@ Ros1Bag::Record Ros1Bag::parse_header(std::string_view header) const {
     record.header.emplace(field->substr(0, equals), field->substr(equals + 1));
   }
   return record;
-}
-
-void Ros1Bag::open_chunk(const Record& record) {
-  chunk_position_ = 0;
-  const std::optional<std::string> fault =
-      decompress(record.text("compression"), record.data, record.number("size", 4), chunk_);
-  if (!fault) return;
-  chunk_.clear();
-  fail("the chunk before " + *fault + "; copy the file again");
 }
 
 std::optional<BagMessage> Ros1Bag::take(const Record& record) {

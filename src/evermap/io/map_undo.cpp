@@ -20,6 +20,17 @@ namespace {
 
 constexpr std::size_t kBlock = std::size_t{1} << 20;  // [bytes]
 
+template <class Visit>
+void for_each_block(const std::filesystem::path& path, Visit&& visit) {
+  InputStream file(path);
+  std::string block;
+  while (file.rest() > 0) {
+    block.clear();
+    file.append_to(block, std::min<std::uint64_t>(file.rest(), kBlock));
+    visit(block);
+  }
+}
+
 /// The file behind links, which need not exist.
 std::filesystem::path target_of(const std::filesystem::path& map) {
   std::error_code error;
@@ -37,15 +48,10 @@ std::filesystem::path pending_path(const std::filesystem::path& target) {
 }
 /// What to bring back for the map that is there now.
 std::filesystem::path undo_path(const std::filesystem::path& target) {
-  InputStream map(target);
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
   XXH3_64bits_reset(state.get());
-  std::string block;
-  while (map.rest() > 0) {
-    block.clear();
-    map.append_to(block, std::min<std::uint64_t>(map.rest(), kBlock));
-    XXH3_64bits_update(state.get(), block.data(), block.size());
-  }
+  for_each_block(
+      target, [&](const std::string& block) { XXH3_64bits_update(state.get(), block.data(), block.size()); });
   std::array<char, 17> hash{};
   std::snprintf(hash.data(), hash.size(), "%016llx",
                 static_cast<unsigned long long>(XXH3_64bits_digest(state.get())));
@@ -74,14 +80,8 @@ void keep(const std::filesystem::path& target) {
   std::error_code error;
   std::filesystem::create_hard_link(target, pending, error);
   if (!error) return;
-  InputStream map(target);  // a file system without hard links
-  AtomicFile copy(pending);
-  std::string block;
-  while (map.rest() > 0) {
-    block.clear();
-    map.append_to(block, std::min<std::uint64_t>(map.rest(), kBlock));
-    copy.write(block);
-  }
+  AtomicFile copy(pending);  // a file system without hard links
+  for_each_block(target, [&](const std::string& block) { copy.write(block); });
   copy.commit();
 }
 

@@ -10,11 +10,9 @@
 
 namespace evermap {
 
-/// The compressions of bags by the names they have there: "none" or "", "bz2", "lz4", "zstd".
-bool is_compression(std::string_view name);
-
-/// Replaces `output` by the `size` bytes that `compressed` holds. Returns what is wrong where that fails, in
-/// a few words, and nothing otherwise. Takes no memory for more than may_expand() allows.
+/// Replaces `output` by the `size` bytes that `compressed` holds. Compressions have the names they have in
+/// bags: "none" or "", "bz2", "lz4", "zstd". Returns what is wrong where that fails, in a few words, and
+/// nothing otherwise. Takes no memory for more than greatest_expansion() allows.
 std::optional<std::string> decompress(std::string_view compression, std::string_view compressed,
                                       std::uint64_t size, std::string& output);
 

@@ -5,14 +5,13 @@
 #include <map>
 #include <set>
 
-#include <evermap/bags/detail/bag_reader.hpp>
-#include <evermap/files/detail/input_file.hpp>
+#include <evermap/bags/detail/chunked_bag.hpp>
 
 namespace evermap {
 
 /// An MCAP file of ROS 1 or ROS 2 messages (mcap.dev/spec). One without a summary, as a recorder leaves it
 /// that was killed, is read once to find its topics.
-class McapBag : public BagReader {
+class McapBag : public ChunkedBag {
  public:
   explicit McapBag(const std::filesystem::path& path);
 
@@ -25,22 +24,17 @@ class McapBag : public BagReader {
   std::optional<BagMessage> read_next() override;
 
   bool read_summary();
-  void rewind();
   /// The next record of the file, the content only of kinds that are needed.
   Record read_record();
   /// The next record of the chunk in hand.
   Record read_chunk_record();
-  void open_chunk(std::string_view content);
+  void unpack(std::string_view content);
   std::optional<BagMessage> take(const Record& record);
   void add_channel(std::string_view content);
-  [[noreturn]] void fail(const std::string& message) const;
 
-  InputStream file_;
   std::uint64_t size_;  ///< [bytes]
   bool is_at_end_ = false;
-  std::string buffer_;  ///< the record of the file in hand
-  std::string chunk_;
-  std::size_t chunk_position_ = 0;                 ///< [bytes]
+  std::string buffer_;                             ///< the record of the file in hand
   std::map<std::uint16_t, std::string> schemas_;   ///< names of types
   std::map<std::uint16_t, std::size_t> channels_;  ///< topics; of those that can be read
   std::set<std::uint16_t> unreadable_;             ///< channels of other encodings

@@ -4,14 +4,13 @@
 
 #include <map>
 
-#include <evermap/bags/detail/bag_reader.hpp>
-#include <evermap/files/detail/input_file.hpp>
+#include <evermap/bags/detail/chunked_bag.hpp>
 
 namespace evermap {
 
 /// A ROS 1 bag, version 2.0 (wiki.ros.org/Bags/Format/2.0). One without an index, as a recorder leaves it
 /// that was killed, is read once to find its topics.
-class Ros1Bag : public BagReader {
+class Ros1Bag : public ChunkedBag {
  public:
   explicit Ros1Bag(const std::filesystem::path& path);
 
@@ -29,24 +28,18 @@ class Ros1Bag : public BagReader {
   std::optional<BagMessage> read_next() override;
 
   void read_index();
-  void rewind();
   /// The next record of the file; its data stay out when they are of a kind that nobody needs.
   Record read_record();
   /// The next record of the chunk in hand.
   Record read_chunk_record();
   Record parse_header(std::string_view header) const;
-  void open_chunk(const Record& record);
   std::optional<BagMessage> take(const Record& record);
   void add_connection(const Record& record);
-  [[noreturn]] void fail(const std::string& message) const;
 
-  InputStream file_;
   bool has_index_ = false;
   std::uint64_t begin_ = 0;  ///< [bytes] of the first chunk
   std::uint64_t end_ = 0;    ///< [bytes] where chunks end
   std::string buffer_;       ///< the record of the file in hand
-  std::string chunk_;
-  std::size_t chunk_position_ = 0;  ///< [bytes]
   std::map<std::uint64_t, std::size_t> topic_of_connection_;
 };
 
