@@ -9,8 +9,7 @@
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
-#include <evermap/io/detail/map_lock.hpp>
-#include <evermap/io/map_file.hpp>
+#include <evermap/history/map_store.hpp>
 
 namespace evermap {
 namespace {
@@ -27,8 +26,8 @@ struct BuildOptions {
 };
 
 template <class RunReport>
-void finish(const BuildOptions& options, const Octree& octree, const RunReport& run) {
-  save_map(options.map, octree);
+void finish(const BuildOptions& options, MapStore& store, const Octree& octree, const RunReport& run) {
+  store.create(octree, {"build of " + options.run.scans.string(), ""});
   if (options.as_json) {
     Json json = {{"map", options.map.string()}, {"leaves", octree.leaf_count()}};
     json.update(to_json(run));
@@ -38,18 +37,18 @@ void finish(const BuildOptions& options, const Octree& octree, const RunReport& 
   }
 }
 
-void build_from_poses(const BuildOptions& options, const Parameters& parameters) {
+void build_from_poses(const BuildOptions& options, MapStore& store, const Parameters& parameters) {
   PosedScans scans(options.run.scans, options.run.poses, parameters.lidar.scan_period, options.run.reading);
   const VoxelGrid grid = VoxelGrid::around(scans.first_pose().translation, options.leaf);
   MapMaintainer maintainer(Octree(grid), parameters, MapMode::kMapping);
   PoseCheck check(Octree(grid), parameters.lidar, scans.poses());
   const Run run = run_over(scans, options.run.threads, maintainer, check_poses(check, options.run));
-  finish(options, maintainer.map(), run);
+  finish(options, store, maintainer.map(), run);
   end_as(run);
 }
 
 /// LiDAR odometry: each scan is localized in the map of those before it. The first pose is the map's origin.
-void build_without_poses(const BuildOptions& options, Parameters parameters) {
+void build_without_poses(const BuildOptions& options, MapStore& store, Parameters parameters) {
   LocalizedScans scans = options.odometry;
   scans.scans = options.run.scans;
   scans.reading = options.run.reading;
@@ -58,7 +57,7 @@ void build_without_poses(const BuildOptions& options, Parameters parameters) {
   MapMaintainer maintainer(Octree(VoxelGrid{.edge = options.leaf}), parameters, MapMode::kMapping);
   const LocalizedRun run = localize_scans(scans, maintainer, parameters.lidar.scan_period);
   if (!options.poses_out.empty()) write_tum_poses(options.poses_out, run.trajectory);
-  finish(options, maintainer.map(), run);
+  finish(options, store, maintainer.map(), run);
   end_as(run.run);
   if (run.is_lost() || run.is_hardly_tracked()) {
     throw std::runtime_error(fmt::format(
@@ -72,10 +71,10 @@ void run_build(const BuildOptions& options) {
   check_leaf(options.leaf);
   const Parameters parameters = parameters_of(options.parameters);
   check_writable(options.map);
-  const MapLock lock(options.map, options.patience);
+  MapStore store(options.map, options.patience);
   if (!options.poses_out.empty()) check_writable(options.poses_out);
-  options.run.poses.empty() ? build_without_poses(options, parameters)
-                            : build_from_poses(options, parameters);
+  options.run.poses.empty() ? build_without_poses(options, store, parameters)
+                            : build_from_poses(options, store, parameters);
 }
 
 }  // namespace

@@ -19,8 +19,8 @@
 #include <evermap/evaluation/map_claims.hpp>
 #include <evermap/evaluation/trajectory_metrics.hpp>
 #include <evermap/files/file_error.hpp>
+#include <evermap/history/map_history.hpp>
 #include <evermap/io/detail/labelled_boxes.hpp>
-#include <evermap/io/map_file.hpp>
 #include <evermap/io/poses.hpp>
 
 namespace evermap {
@@ -51,7 +51,7 @@ DriveScore score_drive(const Octree& octree, PosedScans& scans,
 }
 
 void score_map(const EvaluateOptions& options) {
-  const Octree octree = load_map(options.map);
+  const Octree octree = load_map_version(options.map);
   const auto boxes = read_labelled_boxes(options.boxes);
   PosedScans scans(options.scans, options.poses.string(), LidarParameters{}.scan_period);
   const DriveScore score = score_drive(octree, scans, boxes);

@@ -9,8 +9,8 @@
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
+#include <evermap/history/map_history.hpp>
 #include <evermap/io/map_export.hpp>
-#include <evermap/io/map_file.hpp>
 #include <evermap/octomap/octomap_export.hpp>
 
 namespace evermap {
@@ -31,7 +31,7 @@ std::vector<MapFormat> export_formats() {
 
 void run_export(const ExportOptions& options) {
   if (options.tiles > 0) {
-    const Octree octree = load_map(options.map);
+    const Octree octree = load_map_version(options.map);
     const std::size_t tiles = export_tiles(octree, options.output, options.tiles);
     fmt::print("folder   {}\ntiles    {}\nleaves   {}\n", options.output.string(), tiles,
                LeafCounts(octree).occupied);
@@ -40,7 +40,7 @@ void run_export(const ExportOptions& options) {
   const std::vector<MapFormat> formats = export_formats();
   check_export_extension(options.output, formats);
   check_writable(options.output);
-  const Octree octree = load_map(options.map);
+  const Octree octree = load_map_version(options.map);
   export_map(octree, options.output, formats);
   fmt::print("file     {}\nleaves   {}\n", options.output.string(), LeafCounts(octree).occupied);
 }

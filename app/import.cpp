@@ -12,9 +12,8 @@
 #include "report.hpp"
 #include "verbs.hpp"
 #include <evermap/files/file_error.hpp>
+#include <evermap/history/map_store.hpp>
 #include <evermap/io/cloud.hpp>
-#include <evermap/io/detail/map_lock.hpp>
-#include <evermap/io/map_file.hpp>
 #include <evermap/maintenance/survey.hpp>
 
 namespace evermap {
@@ -48,7 +47,7 @@ void run_import(const ImportOptions& options) {
   check_leaf(options.leaf);
   const Parameters parameters = parameters_of(options.parameters);
   check_writable(options.map);
-  const MapLock lock(options.map, options.patience);
+  MapStore store(options.map, options.patience);
   CloudNotes notes;
   const Scan cloud = read_cloud(options.cloud, options.reading, &notes);
   if (notes.coordinate_step > 0 && !cloud.p_sensor.empty()) {  // a few stray points do not count
@@ -67,7 +66,7 @@ void run_import(const ImportOptions& options) {
   Octree octree(VoxelGrid::around(center, options.leaf));
   const ScanResult::PointCounts points = add_survey(octree, cloud, T_map_cloud, parameters);
   check_any_used(points, options.cloud);
-  save_map(options.map, octree);
+  store.create(octree, {"import of " + options.cloud.string(), ""});
   if (options.as_json) {
     fmt::print(
         "{}",

@@ -11,7 +11,7 @@
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
-#include <evermap/io/map_file.hpp>
+#include <evermap/history/map_history.hpp>
 
 namespace evermap {
 namespace {
@@ -40,6 +40,13 @@ Box extent(const Octree& octree) {
 
 std::vector<double> to_vector(const Eigen::Vector3d& v) { return {v.begin(), v.end()}; }
 
+/// 0: a version of the history is no file of its own.
+std::uintmax_t file_bytes(const std::filesystem::path& map) {
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(map, error);
+  return error ? 0 : bytes;
+}
+
 void print_json(const InfoOptions& options, const Octree& octree) {
   const LeafCounts leaves(octree);
   Json json = {{"map", options.map.string()},
@@ -47,7 +54,7 @@ void print_json(const InfoOptions& options, const Octree& octree) {
                {"grid_origin_m", to_vector(octree.grid().origin)},
                {"leaves", {{"occupied", leaves.occupied}, {"pending", leaves.pending}}},
                {"extent_m", nullptr},
-               {"file_bytes", std::filesystem::file_size(options.map)},
+               {"file_bytes", file_bytes(options.map)},
                {"memory_bytes", octree.memory_bytes()}};
   if (!octree.empty()) {
     const Box box = extent(octree);
@@ -69,7 +76,7 @@ void print_text(const InfoOptions& options, const Octree& octree) {
                greatest.x(), least.y(), greatest.y(), least.z(), greatest.z());
   }
   fmt::print("size     {:.1f} MB in the file, {:.1f} MB in memory\n",
-             1e-6 * static_cast<double>(std::filesystem::file_size(options.map)),
+             1e-6 * static_cast<double>(file_bytes(options.map)),
              1e-6 * static_cast<double>(octree.memory_bytes()));
 }
 
@@ -78,7 +85,7 @@ void run_info(const InfoOptions& options) {
     print_bag_info(options.map, options.as_json);
     return;
   }
-  const Octree octree = load_map(options.map);
+  const Octree octree = load_map_version(options.map);
   options.as_json ? print_json(options, octree) : print_text(options, octree);
 }
 

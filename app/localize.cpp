@@ -12,10 +12,8 @@
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
-#include <evermap/io/detail/map_lock.hpp>
-#include <evermap/io/detail/map_undo.hpp>
+#include <evermap/history/map_store.hpp>
 #include <evermap/io/detail/quaternion.hpp>
-#include <evermap/io/map_file.hpp>
 
 namespace evermap {
 namespace {
@@ -28,7 +26,7 @@ struct LocalizeOptions {
   std::optional<int> rollback;  ///< [scans]
   std::optional<double> max_contradicting;
   std::optional<double> search;  ///< [m]
-  bool undo_log = false;
+  JournalParameters journal;
   double patience = 0;  ///< [s]
   std::filesystem::path poses;
   std::filesystem::path states;  ///< empty when not asked for
@@ -51,7 +49,6 @@ void check(const LocalizeOptions& options) {
   if (options.maintain == options.map_out.empty()) {
     throw std::runtime_error("--maintain and --map-out need each other");
   }
-  if (options.undo_log && !options.maintain) throw std::runtime_error("--undo-log needs --maintain");
   if (options.maintain) check_writable(options.map_out);
 }
 
@@ -64,20 +61,26 @@ void run_localize(const LocalizeOptions& options) {
   parameters.localization.relocation.reach =
       options.search.value_or(parameters.localization.relocation.reach);
   check(options);
-  std::optional<MapLock> lock;
-  if (options.maintain) lock.emplace(options.map_out, options.patience);
-  Octree map = load_map(options.map);
+  std::optional<MapStore> store;
+  if (options.maintain) store.emplace(options.map_out, options.patience);
+  Octree map = store ? load_start(options.map, *store) : load_map_version(options.map);
   if (map.empty()) throw std::runtime_error(options.map.string() + " has no leaves to localize in");
   MapMaintainer maintainer(std::move(map), parameters,
                            options.maintain ? MapMode::kMaintenance : MapMode::kLocalization,
                            initial_pose_of(options));
-  const LocalizedRun run = localize_scans(options.scans, maintainer, parameters.lidar.scan_period);
+  MapCause cause = cause_of("localize", options.scans.scans, parameters);
+  if (store) store->begin(maintainer.map(), cause, options.journal);
+  const auto acknowledge = [&](std::size_t scans) {
+    if (store) store->acknowledge(maintainer.map(), scans);
+  };
+  const LocalizedRun run =
+      localize_scans(options.scans, maintainer, parameters.lidar.scan_period, acknowledge);
   write_tum_poses(options.poses, run.trajectory);
   if (!options.states.empty()) write_states(options.states, run);
-  if (options.undo_log) {
-    save_map_with_undo(options.map_out, maintainer.map());
-  } else if (options.maintain) {
-    save_map(options.map_out, maintainer.map());
+  if (store) {
+    cause.what +=
+        fmt::format(", {} of {} scans tracked", run.count(TrackingState::kTracking), run.scans.size());
+    store->commit(maintainer.map(), cause);
   }
   if (options.as_json) {
     Json json = {{"poses", options.poses.string()}};
@@ -135,7 +138,7 @@ void add_localize(CLI::App& app) {
       ->check(CLI::Range(0.0, 1.0))
       ->type_name("FRACTION")
       ->default_str(fmt::format("{}", GateParameters{}.max_contradicting));
-  add_undo_log_option(*verb, options->undo_log);
+  add_sync_option(*verb, options->journal);
   add_threads_option(*verb, options->scans.threads);
   add_mode_option(*verb, options->parameters);
   add_range_options(*verb, options->parameters);

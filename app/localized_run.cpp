@@ -98,7 +98,8 @@ double scan_period_of(const LocalizedScans& options, double configured) {
   return *middle;
 }
 
-LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& maintainer, double scan_period) {
+LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& maintainer, double scan_period,
+                            const std::function<void(std::size_t scans)>& acknowledge) {
   ScanOptions reading = options.reading;
   ScanPoses odometry = options.odometry.empty()     ? ScanPoses::odometry_of(options.scans, reading)
                        : options.odometry == "none" ? ScanPoses("", options.scans, reading)
@@ -126,6 +127,7 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
     time = now;
     result.with_odometry += T_odom_sensor ? 1 : 0;
     record(result, time, take([&] { return maintainer.process(*scan, time, T_odom_sensor); }));
+    if (acknowledge) acknowledge(result.scans.size());
     return true;
   });
   result.run.point_time = point_time;

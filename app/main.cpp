@@ -11,12 +11,19 @@ int main(int argc, char** argv) {
                                      evermap::add_import(app);
                                      evermap::add_build(app);
                                      evermap::add_update(app);
-                                     evermap::add_undo(app);
                                      evermap::add_localize(app);
                                      evermap::add_export(app);
                                      evermap::add_info(app);
                                      evermap::add_config(app);
                                      evermap::add_evaluate(app);
                                      evermap::add_simulate(app);
+                                     evermap::add_log(app);
+                                     evermap::add_diff(app);
+                                     evermap::add_checkout(app);
+                                     evermap::add_undo(app);
+                                     evermap::add_tag(app);
+                                     evermap::add_prune(app);
+                                     evermap::add_verify(app);
+                                     evermap::add_repair(app);
                                    });
 }

@@ -5,6 +5,8 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <xxhash.h>
 
 #include <evermap/config/parameters_file.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
@@ -115,15 +117,33 @@ void check_leaf(double leaf) {
                                        kLeastLeafEdge, kGreatestLeafEdge));
 }
 
+Octree load_start(const std::filesystem::path& map, MapStore& store) {
+  if (!store.recovered().empty()) spdlog::warn("{}: {}", store.path().string(), store.recovered());
+  std::error_code error;
+  return std::filesystem::equivalent(map, store.path(), error) ? store.load() : load_map_version(map);
+}
+
+MapCause cause_of(const std::string& verb, const std::filesystem::path& scans, const Parameters& parameters) {
+  const std::string yaml = to_yaml(parameters);
+  return {fmt::format("{} {}", verb, scans.string()),
+          fmt::format("{:016x}", XXH3_64bits(yaml.data(), yaml.size()))};
+}
+
+void add_sync_option(CLI::App& verb, JournalParameters& journal) {
+  verb.add_option(
+          "--sync", journal.scans,
+          "Whenever so many scans are done, and each second, what was done so far survives kill -9 and "
+          "power cuts; 0: only at the end")
+      ->check(CLI::Range(0, 1000000))
+      ->type_name("SCANS")
+      ->capture_default_str();
+}
+
 void add_wait_option(CLI::App& verb, double& patience) {
   verb.add_option("--wait", patience, "Wait that long for another process that changes the map")
       ->check(CLI::NonNegativeNumber)
       ->type_name("S")
       ->capture_default_str();
-}
-
-void add_undo_log_option(CLI::App& verb, bool& undo_log) {
-  verb.add_flag("--undo-log", undo_log, "Keep the map that is replaced, for evermap undo");
 }
 
 void add_json_option(CLI::App& verb, bool& as_json) {

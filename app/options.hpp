@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include <evermap/bags/scan_bag.hpp>
+#include <evermap/history/map_store.hpp>
 #include <evermap/maintenance/parameters.hpp>
 
 namespace evermap {
@@ -48,11 +49,16 @@ void add_leaf_option(CLI::App& verb, double& leaf);
 /// Throws std::runtime_error when the leaf edge [m] is out of range.
 void check_leaf(double leaf);
 
+/// The map that a run starts from: `map.evm`, or a version of it, `map.evm@3`. A run that changes the file
+/// itself reads it through the store. Warns when the store had to bring something back.
+Octree load_start(const std::filesystem::path& map, MapStore& store);
+/// What a run is, for the history of the map that it changes.
+MapCause cause_of(const std::string& verb, const std::filesystem::path& scans, const Parameters& parameters);
+/// --sync
+void add_sync_option(CLI::App& verb, JournalParameters& journal);
 /// How long to wait for another process that changes the map.
 void add_wait_option(CLI::App& verb, double& patience);
 
-/// Whether the map that is replaced is kept for `evermap undo`.
-void add_undo_log_option(CLI::App& verb, bool& undo_log);
 void add_json_option(CLI::App& verb, bool& as_json);
 
 /// Fails now, instead of after a long run, when `file` cannot be written. Throws FileError.

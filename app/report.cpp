@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -67,17 +68,27 @@ Json to_json(const Run& run) {
           {"seconds_per_scan", {{"wall", to_json(Spread(run.wall))}, {"cpu", to_json(Spread(run.cpu))}}}};
 }
 
+MapChange::MapChange(std::filesystem::path file, const Octree& octree_before, const Octree& octree_after)
+    : map(std::move(file)),
+      before(octree_before),
+      after(octree_after),
+      difference(compare(octree_before, octree_after)) {}
+
+Json to_json(const MapChange& change) {
+  return {{"map", change.map.string()},
+          {"leaves",
+           {{"before", change.before.occupied},
+            {"after", change.after.occupied},
+            {"added", change.difference.added.size()},
+            {"removed", change.difference.removed.size()},
+            {"moved", change.difference.moved.size()},
+            {"border_added", change.difference.border_added},
+            {"border_removed", change.difference.border_removed},
+            {"pending", change.after.pending}}}};
+}
+
 Json to_json(const ChangeReport& report) {
-  Json json = {{"map", report.map.string()},
-               {"leaves",
-                {{"before", report.before.occupied},
-                 {"after", report.after.occupied},
-                 {"added", report.difference.added.size()},
-                 {"removed", report.difference.removed.size()},
-                 {"moved", report.difference.moved.size()},
-                 {"border_added", report.difference.border_added},
-                 {"border_removed", report.difference.border_removed},
-                 {"pending", report.after.pending}}}};
+  Json json = to_json(report.change);
   json.update(to_json(report.run));
   return json;
 }
@@ -99,19 +110,19 @@ std::string to_text(const Run& run) {
          "CPU      per scan: " + to_text(Spread(run.cpu)) + "\n";
 }
 
-std::string to_text(const ChangeReport& report) {
-  const MapDifference& difference = report.difference;
+std::string to_text(const MapChange& change) {
+  const MapDifference& difference = change.difference;
   return fmt::format(
-             "map      {}\n"
-             "leaves   {} before, {} after: {} added, {} removed, {} moved; {} more pending\n"
-             "         {} more came and {} more went at the border of voxels, where the neighbouring leaf "
-             "shows the "
-             "same surface\n",
-             report.map.string(), report.before.occupied, report.after.occupied, difference.added.size(),
-             difference.removed.size(), difference.moved.size(), report.after.pending,
-             difference.border_added, difference.border_removed) +
-         to_text(report.run);
+      "map      {}\n"
+      "leaves   {} before, {} after: {} added, {} removed, {} moved; {} more pending\n"
+      "         {} more came and {} more went at the border of voxels, where the neighbouring leaf "
+      "shows the same surface\n",
+      change.map.string(), change.before.occupied, change.after.occupied, difference.added.size(),
+      difference.removed.size(), difference.moved.size(), change.after.pending, difference.border_added,
+      difference.border_removed);
 }
+
+std::string to_text(const ChangeReport& report) { return to_text(report.change) + to_text(report.run); }
 
 std::string dump(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 

@@ -24,21 +24,30 @@ struct LeafCounts {
   explicit LeafCounts(const Octree& octree);
 };
 
-/// What an update did, for people and for machines.
-struct ChangeReport {
-  std::filesystem::path map;  ///< written
-  Run run;
+/// How a map differs from what it was.
+struct MapChange {
+  std::filesystem::path map;
   LeafCounts before;
   LeafCounts after;
   MapDifference difference;
+
+  MapChange(std::filesystem::path map, const Octree& before, const Octree& after);
+};
+
+/// What an update did, for people and for machines.
+struct ChangeReport {
+  MapChange change;  ///< of the map that was written
+  Run run;
 };
 
 Json to_json(const ScanResult::PointCounts& points);
 Json to_json(const Run& run);
+Json to_json(const MapChange& change);
 Json to_json(const ChangeReport& report);
 
 std::string to_text(const ScanResult::PointCounts& points);
 std::string to_text(const Run& run);
+std::string to_text(const MapChange& change);
 std::string to_text(const ChangeReport& report);
 
 /// With a line break at the end; what is no UTF-8 (in a path, say) is replaced.

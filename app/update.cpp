@@ -9,10 +9,8 @@
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
+#include <evermap/history/map_store.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
-#include <evermap/io/detail/map_lock.hpp>
-#include <evermap/io/detail/map_undo.hpp>
-#include <evermap/io/map_file.hpp>
 
 namespace evermap {
 namespace {
@@ -23,7 +21,7 @@ struct UpdateOptions {
   std::filesystem::path output;
   ParameterOptions parameters;
   std::filesystem::path report;  ///< folder; empty when not asked for
-  bool undo_log = false;
+  JournalParameters journal{.scans = 0};
   double patience = 0;  ///< [s]
   bool as_json = false;
 };
@@ -41,23 +39,30 @@ void write_report(const std::filesystem::path& folder, const ChangeReport& repor
   file.write(dump(to_json(report)));
   file.commit();
   // Whoever interrupts waits for the end: of a large map, pictures take longer than saving it.
-  if (report.run.stopped_by == 0) write_pictures(folder, before, after, report.difference);
+  if (report.run.stopped_by == 0) write_pictures(folder, before, after, report.change.difference);
 }
 
 void run_update(const UpdateOptions& options) {
   const Parameters parameters = parameters_of(options.parameters);
   prepare_outputs(options);
-  const MapLock lock(options.output, options.patience);
+  MapStore store(options.output, options.patience);
   PosedScans scans(options.run.scans, options.run.poses, parameters.lidar.scan_period, options.run.reading);
-  MapMaintainer maintainer(load_map(options.map), parameters);
+  MapMaintainer maintainer(load_start(options.map, store), parameters);
   const Octree before = maintainer.map();
   spdlog::info("{}: {} leaves", options.map.string(), before.leaf_count());
   PoseCheck check(before, parameters.lidar, scans.poses());
-  const Run run = run_over(scans, options.run.threads, maintainer, check_poses(check, options.run));
+  MapCause cause = cause_of("update", options.run.scans, parameters);
+  store.begin(before, cause, options.journal);
+  const LookAtScan look_at_poses = check_poses(check, options.run);
+  const Run run =
+      run_over(scans, options.run.threads, maintainer, [&](const PosedScan& posed, const ScanResult& result) {
+        look_at_poses(posed, result);
+        store.acknowledge(maintainer.map(), posed.index + 1);
+      });
   const Octree octree = maintainer.map();
-  options.undo_log ? save_map_with_undo(options.output, octree) : save_map(options.output, octree);
-  const ChangeReport report{options.output, run, LeafCounts(before), LeafCounts(octree),
-                            compare(before, octree)};
+  cause.what += fmt::format(", {} scans", run.scans_done);
+  store.commit(octree, cause);
+  const ChangeReport report{{options.output, before, octree}, run};
   if (!options.report.empty()) write_report(options.report, report, before, octree);
   fmt::print("{}", options.as_json ? dump(to_json(report)) : to_text(report));
   end_as(run);
@@ -79,7 +84,7 @@ void add_update(CLI::App& app) {
   verb->add_option("--report", options->report,
                    "Folder for report.json and pictures of before, after and the change")
       ->type_name("DIR");
-  add_undo_log_option(*verb, options->undo_log);
+  add_sync_option(*verb, options->journal);
   add_wait_option(*verb, options->patience);
   add_json_option(*verb, options->as_json);
   verb->callback([options] { run_update(*options); });

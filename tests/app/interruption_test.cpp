@@ -60,30 +60,30 @@ TEST_F(InterruptionTest, BuildSavesWhatItHasAndSaysSo) {
   expect_done({"info", name("map.evm")});
 }
 
-TEST_F(InterruptionTest, WhateverIsKilledUndoBringsBackTheMapBefore) {
+TEST_F(InterruptionTest, WhateverIsKilledTheVersionBeforeComesBack) {
   make_drive("before", 1, true);
   make_drive("now", 3, false);
   expect_done(build("before", "map.evm"));
   const std::string first = content(path("map.evm"));
-  const std::vector<std::string> arguments = update("map.evm", "now", "map.evm", {"--undo-log"});
-  expect_done(arguments);
-  const std::string second = content(path("map.evm"));
+  const std::vector<std::string> arguments = update("map.evm", "now", "map.evm", {"--sync", "1"});
   constexpr int kKills = 40;
   for (int i = 0; i < kKills; ++i) {
     const std::unique_ptr<Process> process = start(arguments);
     std::this_thread::sleep_for(std::chrono::milliseconds(2 * i));
     process->send(SIGKILL);
     process->wait();
-    const bool has_saved = content(path("map.evm")) != second;
-    expect_done({"undo", name("map.evm")});
-    ASSERT_EQ(content(path("map.evm")), has_saved ? second : first) << "killed after " << 2 * i << " ms";
-    make("map.evm", first);  // and again from the same state
-    for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
-      if (entry.path().string().find(".undo") != std::string::npos) std::filesystem::remove(entry.path());
+    expect_done({"info", name("map.evm")});  // brings what was acknowledged to its end
+    if (content(path("map.evm")) != first) {
+      expect_done({"verify", name("map.evm")});
+      expect_done({"undo", name("map.evm")});
     }
-    expect_done(arguments);
-    ASSERT_EQ(content(path("map.evm")), second);
+    ASSERT_TRUE(content(path("map.evm")) == first) << "killed after " << 2 * i << " ms";
+    std::filesystem::remove(path("map.evm.history"));
   }
+  expect_done(arguments);
+  expect_done({"undo", name("map.evm")});
+  ASSERT_TRUE(content(path("map.evm")) == first);
+  EXPECT_FALSE(std::filesystem::exists(path("map.evm.lock")));
 }
 
 TEST_F(InterruptionTest, ASecondWriterIsRefused) {

@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
 #include <cmath>
+#include <map>
 #include <sstream>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -165,10 +168,51 @@ TEST_F(LocalizeTest, OdometryOfAnotherFrameIsNamed) {
 TEST_F(LocalizeTest, ARunCanBeUndone) {
   build_map();
   const std::string before = content(path("map.evm"));
-  expect_done(localize({"--maintain", "--map-out", name("map.evm"), "--undo-log"}));
+  expect_done(localize({"--maintain", "--map-out", name("map.evm")}));
   EXPECT_FALSE(content(path("map.evm")) == before);
   expect_done({"undo", name("map.evm")});
   EXPECT_TRUE(content(path("map.evm")) == before);
+}
+
+// Killed at any moment, what was acknowledged is the map of a run that ended there, to the bit.
+TEST_F(LocalizeTest, WhatAKilledRunHadAcknowledgedIsThere) {
+  build_map();
+  const std::string before = content(path("map.evm"));
+  std::map<int, std::string> maps;  // by scans
+  const std::filesystem::path scans = path("scans");
+  int recovered = 0;
+  for (int i = 0; i < 12; ++i) {
+    std::filesystem::remove(path("map.evm.history"));
+    make("map.evm", before);
+    const std::unique_ptr<Process> process =
+        start(localize({"--maintain", "--map-out", name("map.evm"), "--sync", "1", "--verbose"}));
+    std::this_thread::sleep_for(std::chrono::milliseconds(10 + 15 * i));
+    process->send(SIGKILL);
+    process->wait();
+    expect_done({"info", name("map.evm")});
+    if (!std::filesystem::exists(path("map.evm.history"))) continue;
+    const Json versions = Json::parse(run({"log", name("map.evm"), "--json"}).out)["versions"];
+    if (versions.empty()) continue;
+    const std::string cause = versions.back()["cause"];
+    const std::size_t at = cause.find("ended by force after ");
+    if (at == std::string::npos) continue;
+    const int count = std::stoi(cause.substr(at + 21));
+    if (!maps.contains(count)) {
+      std::filesystem::remove_all(path("few"));
+      std::filesystem::create_directory(path("few"));
+      for (int scan = 0; scan < count; ++scan) {
+        const std::string file = std::to_string(1000 + scan) + ".bin";
+        std::filesystem::copy(scans / file, path("few") / file);
+      }
+      make("start.evm", before);
+      run({"localize", name("start.evm"), name("few"), "-o", name("few.txt"), "--maintain", "--map-out",
+           name("few.evm"), "--sync", "0"});
+      maps[count] = content(path("few.evm"));
+    }
+    EXPECT_TRUE(content(path("map.evm")) == maps[count]) << cause;
+    ++recovered;
+  }
+  EXPECT_GT(recovered, 0) << "no process was killed while it had a journal";
 }
 
 // The hall is exchanged for another one: what the first scans of it did before the robot was lost is undone.
@@ -188,7 +232,6 @@ TEST_F(LocalizeTest, TakesBackWhatALostRobotDid) {
 TEST_F(LocalizeTest, WrongUseIsNamed) {
   build_map();
   expect_failed(localize({"--maintain"}), "--map-out");
-  expect_failed(localize({"--undo-log"}), "--undo-log needs --maintain");
   expect_failed(localize({"--initial-pose", "0 0 0 0 0 0 3"}), "norm");
   EXPECT_EQ(run(localize({"--initial-pose", "1 2 3"})).exit_code, 2);
 }

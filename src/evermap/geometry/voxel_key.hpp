@@ -115,7 +115,8 @@ struct VoxelGrid {
   /// The grid of edge length `edge` whose origin suits data around `p_map`.
   static VoxelGrid around(const Eigen::Vector3d& p_map, double edge) {
     const double step = kOriginStep * edge;
-    return {edge, (p_map / step).array().round().matrix() * step};
+    const Eigen::Vector3d origin = (p_map / step).array().round().matrix() * step;
+    return {edge, origin + Eigen::Vector3d::Zero()};  // without a zero's sign: equal grids are the same bits
   }
 
   /// The voxel that contains `p_map`; none when it is not finite or beyond the range of keys.

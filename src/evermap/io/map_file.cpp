@@ -178,7 +178,8 @@ class MapReader {
   explicit MapReader(const std::filesystem::path& path) : file_(path), header_(read_header()) {}
 
   Octree read() {
-    Octree octree({header_.edge, Eigen::Map<const Eigen::Vector3d>(header_.origin)});
+    const Eigen::Map<const Eigen::Vector3d> origin(header_.origin);
+    Octree octree({header_.edge, origin + Eigen::Vector3d::Zero()});  // as VoxelGrid::around() makes them
     for (block_ = 0; block_ < header_.blocks; ++block_) read_block(octree);
     next(std::min<std::uint64_t>(kEndMark.size(), file_.rest()));
     if (section_ != kEndMark) fail("the mark of the map's end is missing");

@@ -25,7 +25,7 @@ void Octree::erase(VoxelKey key) {
   if (block.empty()) blocks_.erase(found);
 }
 
-std::vector<std::uint64_t> Octree::sorted_block_keys() const {
+std::vector<std::uint64_t> Octree::block_keys() const {
   std::vector<std::uint64_t> keys;
   keys.reserve(blocks_.size());
   for (const auto& [key, block] : blocks_) keys.push_back(key);
@@ -36,13 +36,13 @@ std::vector<std::uint64_t> Octree::sorted_block_keys() const {
 std::vector<PlacedBrick> Octree::bricks_in(const Eigen::AlignedBox3i& voxels) const {
   std::vector<PlacedBrick> all;
   if (voxels.isEmpty()) return all;
-  const std::vector<std::uint64_t> block_keys = block_keys_in(voxels);
-  std::vector<std::vector<PlacedBrick>> found(block_keys.size());
+  const std::vector<std::uint64_t> keys = block_keys_in(voxels);
+  std::vector<std::vector<PlacedBrick>> found(keys.size());
   for_each_index(found.size(), kGrain, [&](std::size_t i) {
-    const Block& block = *find_block(block_keys[i]);
+    const Block& block = *find_block(keys[i]);
     found[i].reserve(block.size());
     block.for_each([&](int index, const Brick& brick) {
-      const VoxelKey first = VoxelKey::first_of_block(block_keys[i]).first_of_brick(index);
+      const VoxelKey first = VoxelKey::first_of_block(keys[i]).first_of_brick(index);
       const Eigen::Vector3i corner = first.voxel();
       const Eigen::AlignedBox3i extent(corner, corner.array() + 7);
       if (voxels.intersects(extent)) found[i].push_back({&brick, first, corner});

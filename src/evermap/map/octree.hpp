@@ -97,7 +97,7 @@ class Octree {
   /// Calls visit(key, leaf) for every leaf in ascending order of keys.
   template <class Visit>
   void for_each_leaf(Visit&& visit) const {
-    for (const std::uint64_t block_key : sorted_block_keys()) {
+    for (const std::uint64_t block_key : block_keys()) {
       const VoxelKey first_of_block = VoxelKey::first_of_block(block_key);
       find_block(block_key)->for_each([&](int brick_index, const Brick& brick) {
         const VoxelKey first = first_of_block.first_of_brick(brick_index);
@@ -110,6 +110,9 @@ class Octree {
   /// The bricks that reach into a box of voxels, in ascending order of keys. Runs in parallel.
   std::vector<PlacedBrick> bricks_in(const Eigen::AlignedBox3i& voxels) const;
 
+  /// Of all blocks, ascending.
+  std::vector<std::uint64_t> block_keys() const;
+
   std::size_t memory_bytes() const;  ///< of nodes and leaves, with unused capacity
 
  private:
@@ -117,7 +120,6 @@ class Octree {
     std::size_t operator()(std::uint64_t key) const { return hash_bits(key); }
   };
 
-  std::vector<std::uint64_t> sorted_block_keys() const;
   std::vector<std::uint64_t> block_keys_in(const Eigen::AlignedBox3i& voxels) const;
 
   VoxelGrid grid_;

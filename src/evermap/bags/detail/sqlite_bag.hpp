@@ -3,10 +3,10 @@
 #pragma once
 
 #include <map>
-#include <memory>
-#include <sqlite3.h>
+#include <optional>
 
 #include <evermap/bags/detail/bag_reader.hpp>
+#include <evermap/files/detail/database.hpp>
 
 namespace evermap {
 
@@ -16,30 +16,19 @@ class SqliteBag : public BagReader {
   explicit SqliteBag(const std::filesystem::path& path);
 
  private:
-  struct CloseDatabase {
-    void operator()(sqlite3* database) const { ::sqlite3_close(database); }
-  };
-  struct FinalizeStatement {
-    void operator()(sqlite3_stmt* statement) const { ::sqlite3_finalize(statement); }
-  };
-  using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
-
   std::optional<BagMessage> read_next() override;
   void on_select() override { messages_.reset(); }
 
   Statement prepare(const std::string& query);
   /// Called every thousand operations; stops the statement when it has run for more than any good file needs.
   static int count_operations(void* bag);
-  /// Whether there was one more row.
-  bool step(const Statement& statement) const;
-  [[noreturn]] void fail() const;
 
-  std::unique_ptr<sqlite3, CloseDatabase> database_;
+  std::uint64_t size_;  ///< [bytes]
+  Database database_;
   std::map<std::int64_t, std::size_t> topic_of_id_;
-  Statement messages_;
+  std::optional<Statement> messages_;
   std::uint64_t total_ = 0;  ///< messages
   std::uint64_t done_ = 0;
-  std::uint64_t size_ = 0;             ///< [bytes]
   std::uint64_t operations_left_ = 0;  ///< [thousands]
   std::string uncompressed_;
 };

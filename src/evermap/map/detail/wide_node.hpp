@@ -113,6 +113,24 @@ class WideNode {
     }
   }
 
+  /// Calls visit(index, child of a, child of b), in the order of indices, where a or b has a child (the
+  /// other's is then nullptr), unless a and b still share their children.
+  template <class Visit>
+  static void for_each_pair(const WideNode& a, const WideNode& b, Visit&& visit) {
+    const Child* of_a = a.items_.data();
+    const Child* of_b = b.items_.data();
+    if (of_a == of_b) return;
+    for (int z = 0; z < 8; ++z) {
+      const std::uint64_t in_a = a.mask_.layer(z);
+      const std::uint64_t in_b = b.mask_.layer(z);
+      for (std::uint64_t bits = in_a | in_b; bits != 0; bits &= bits - 1) {
+        const std::uint64_t bit = bits & -bits;
+        visit(64 * z + std::countr_zero(bits), (in_a & bit) != 0 ? of_a++ : nullptr,
+              (in_b & bit) != 0 ? of_b++ : nullptr);
+      }
+    }
+  }
+
  private:
   std::size_t position(int index) const {
     const std::uint64_t below = mask_.layer(index >> 6) & ((std::uint64_t{1} << (index & 63)) - 1);

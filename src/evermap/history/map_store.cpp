@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <evermap/history/detail/version_table.hpp>
+#include <evermap/history/map_store.hpp>
+#include <evermap/io/detail/atomic_file.hpp>
+#include <evermap/io/map_file.hpp>
+
+namespace evermap {
+namespace {
+
+StoredVersion version_of(const MapCause& cause, bool is_in_place) {
+  StoredVersion version;
+  version.cause = cause;
+  version.is_in_place = is_in_place;
+  return version;
+}
+
+}  // namespace
+
+/// A run that has not ended.
+struct MapStore::Run {
+  using Clock = std::chrono::steady_clock;
+
+  MapCause cause;
+  JournalParameters parameters;
+  Octree journaled;       ///< the map as far as the journal tells it
+  StoredVersion newest;   ///< what the journal continues
+  std::size_t scans = 0;  ///< that are acknowledged
+  Clock::time_point time = Clock::now();
+  bool is_begun = false;   ///< whether anything was written
+  bool is_ending = false;  ///< its map is being stored: whatever happens, what it did is not given up
+};
+
+MapStore::MapStore(const std::filesystem::path& map, double patience) : path_(map), lock_(map, patience) {
+  if (!MapHistory::exists_for(path_)) return;
+  history();
+  recover();
+}
+
+MapStore::~MapStore() {
+  if (run_ == nullptr || !run_->is_begun || run_->is_ending) return;
+  try {
+    history_->clear_journal();
+  } catch (const FileError&) {  // then the next process takes it for a run that was killed
+  }
+}
+
+VersionTable& MapStore::history() {
+  if (history_ == nullptr) {
+    const std::filesystem::path file = VersionTable::path_of(path_);
+    const bool is_new = !MapHistory::exists_for(path_);
+    history_ = std::make_unique<VersionTable>(file, Database::Access::kWrite);
+    if (is_new) sync_folder_of(file);
+  }
+  return *history_;
+}
+
+/// Ends what a killed process began. First its last version, which the map file may lack; then its journal.
+void MapStore::recover() {
+  const std::vector<StoredVersion> all = history_->versions();
+  if (all.empty()) return;
+  const int newest = all.back().number;
+  if (!all.back().is_in_place) {
+    put_in_place(history_->checkout(newest), newest);
+    recovered_ =
+        "version " + std::to_string(newest) + " was stored when a run was ended by force; it is in place now";
+  }
+  const Journal journal = history_->journal();
+  if (journal.changes.empty()) return;
+  const Octree before = history_->checkout(newest);
+  Octree map = before;
+  apply_changes(journal.changes, map);
+  const std::string words =
+      journal.cause.what + ", ended by force after " + std::to_string(journal.scans) + " scans";
+  Transaction transaction(history_->database());
+  const StoredVersion version =
+      history_->append(before, map, version_of({words, journal.cause.parameters}, false));
+  history_->clear_journal();
+  transaction.commit();
+  // What somebody put in the map's place since is more recent.
+  if (read_map() && fingerprint_of(*in_place_) != fingerprint_of(before)) {
+    history_->set_in_place(version.number);
+    note_outside_change();
+  } else {
+    put_in_place(map, version.number);
+  }
+  recovered_ = "the run before was ended by force; the map is as it was after " +
+               std::to_string(journal.scans) + " of its scans (version " + std::to_string(version.number) +
+               ")";
+}
+
+/// False when there is no sound map in the file.
+bool MapStore::read_map() {
+  if (in_place_) return true;
+  try {
+    in_place_ = load_map(path_);
+  } catch (const FileError&) {
+    return false;
+  }
+  return true;
+}
+
+Octree MapStore::load() {
+  in_place_ = load_map(path_);
+  return *in_place_;
+}
+
+/// The history knows of every map that was in place.
+void MapStore::note_outside_change() {
+  if (!read_map()) return;
+  const std::vector<StoredVersion> all = history().versions();
+  if (!all.empty() && all.back().fingerprint == fingerprint_of(*in_place_).hex()) return;
+  const Octree before = all.empty() ? Octree(in_place_->grid()) : history_->checkout(all.back().number);
+  Transaction transaction(history_->database());
+  history_->append(before, *in_place_,
+                   version_of({all.empty() ? "as it was found" : "replaced by another program", ""}, true));
+  transaction.commit();
+}
+
+void MapStore::put_in_place(const Octree& map, int version) {
+  save_map(path_, map);
+  in_place_ = map;
+  history_->set_in_place(version);
+}
+
+void MapStore::commit(const Octree& map, const MapCause& cause) {
+  if (run_) run_->is_ending = true;
+  if (!MapHistory::exists_for(path_) && !read_map()) {
+    save_map(path_, map);
+    in_place_ = map;
+  } else {
+    note_outside_change();
+    // A file that holds no map is replaced; the history goes on from what it held before.
+    const std::vector<StoredVersion> all = history().versions();
+    const Octree before = in_place_     ? *in_place_
+                          : all.empty() ? Octree(map.grid())
+                                        : history_->checkout(all.back().number);
+    Transaction transaction(history_->database());
+    const StoredVersion version = history_->append(before, map, version_of(cause, false));
+    history_->clear_journal();
+    transaction.commit();
+    put_in_place(map, version.number);
+  }
+  run_.reset();
+}
+
+void MapStore::create(const Octree& map, const MapCause& cause) {
+  if (MapHistory::exists_for(path_)) return commit(map, cause);
+  save_map(path_, map);
+  in_place_ = map;
+}
+
+void MapStore::begin(const Octree& map, const MapCause& cause, const JournalParameters& parameters) {
+  run_ = std::make_unique<Run>(Run{cause, parameters, map, {}, 0, Run::Clock::now(), false, false});
+}
+
+/// The journal tells what changed, so the map with which the run began must be the newest version.
+void MapStore::start_journal() {
+  std::unique_ptr<Run> run = std::move(run_);
+  const bool is_in_place = read_map() && fingerprint_of(*in_place_) == fingerprint_of(run->journaled);
+  if (!is_in_place) commit(run->journaled, {"begin of: " + run->cause.what, run->cause.parameters});
+  note_outside_change();
+  run->newest = history().versions().back();
+  run->is_begun = true;
+  run_ = std::move(run);
+}
+
+bool MapStore::acknowledge(const Octree& map, std::size_t scans) {
+  if (run_ == nullptr || run_->parameters.scans == 0) return false;
+  const auto now = Run::Clock::now();
+  const bool is_due = scans >= run_->scans + run_->parameters.scans ||
+                      now >= run_->time + std::chrono::duration<double>(run_->parameters.period);
+  if (!is_due) return false;
+  if (!run_->is_begun) start_journal();
+  history_->append_to_journal(run_->newest, run_->journaled, map, scans, run_->cause);
+  run_->journaled = map;
+  run_->scans = scans;
+  run_->time = now;
+  return true;
+}
+
+int MapStore::undo() {
+  if (!MapHistory::exists_for(path_)) throw FileError(path_, "no version before this one was kept");
+  note_outside_change();
+  const std::vector<StoredVersion> all = history().versions();
+  if (all.size() < 2) throw FileError(path_, "no version before this one was kept");
+  const StoredVersion& before = all[all.size() - 2];
+  commit(history_->checkout(before.number), {"undo of version " + std::to_string(all.back().number), ""});
+  return before.number;
+}
+
+int MapStore::tag(const std::string& name, const std::string& version) {
+  if (!MapHistory::exists_for(path_)) throw FileError(path_, "has no history");
+  const bool is_name =
+      name.size() <= 80 && name.find_first_not_of("0123456789") != std::string::npos &&
+      std::all_of(name.begin(), name.end(), [](char c) { return c > ' ' && c < 127 && c != '@'; });
+  if (!is_name) throw FileError(path_, "a tag is a word of at most 80 characters, no number, without @");
+  const int number = version.empty() ? history().versions().back().number : history().number_of(version);
+  history_->tag(name, number);
+  return number;
+}
+
+int MapStore::prune(std::int64_t keep, std::int64_t keep_daily) {
+  if (!MapHistory::exists_for(path_)) throw FileError(path_, "has no history");
+  constexpr std::int64_t kDay = 24 * 3600;
+  const std::int64_t now = std::time(nullptr);
+  const std::vector<StoredVersion> all = history().versions();
+  std::vector<bool> is_kept(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::int64_t age = now - all[i].time;
+    const bool is_last_of_its_day = i + 1 == all.size() || all[i + 1].time / kDay != all[i].time / kDay;
+    is_kept[i] =
+        i + 1 == all.size() || !all[i].tags.empty() || age < keep || (is_last_of_its_day && age < keep_daily);
+  }
+  history_->keep_only(is_kept);
+  return static_cast<int>(std::count(is_kept.begin(), is_kept.end(), false));
+}
+
+}  // namespace evermap
