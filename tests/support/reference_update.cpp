@@ -308,6 +308,41 @@ void keep_settled(ReferenceLeaf& leaf, const ReferenceLeaf& old, const Bundle& b
   leaf.covariance = axes * shape * axes.transpose();
 }
 
+/// Each leaf that went takes from the flat ones around it that were not hit and before which it did not
+/// stand.
+void let_go_together(std::map<VoxelKey, ReferenceLeaf>& leaves, std::vector<VoxelKey> gone,
+                     const std::vector<Bundle>& bundles, const VoxelGrid& grid, const Vector3d& o,
+                     const UpdateParameters& parameters) {
+  const auto around = [&](VoxelKey center) {
+    std::vector<VoxelKey> keys;
+    for (int z = -1; z <= 1; ++z)
+      for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x) {
+          const auto found = leaves.find(VoxelKey::from_voxel(center.voxel() + Vector3i(x, y, z)));
+          if (found != leaves.end() && found->second.log_odds > 0) keys.push_back(found->first);
+        }
+    return keys;
+  };
+  while (!gone.empty()) {
+    const VoxelKey went = gone.back();
+    gone.pop_back();
+    for (const VoxelKey key : around(went)) {
+      if (is_hit(bundles, key)) continue;
+      ReferenceLeaf& leaf = leaves.at(key);
+      const Eigensystem eigen(leaf.covariance);
+      if (eigen.eigenvalues()[0] >= 0.2 * eigen.eigenvalues()[1]) continue;
+      const Vector3d n = eigen.eigenvectors().col(0);
+      const double towards_sensor = n.dot(o - leaf.mean) > 0 ? 1 : -1;
+      if (towards_sensor * n.dot(grid.center(went) - leaf.mean) > grid.edge / 2) continue;
+      const auto left = static_cast<double>(around(key).size());
+      leaf.log_odds = rounded(leaf.log_odds - rounded(parameters.cohesion / left * parameters.miss));
+      if (leaf.log_odds > 0) continue;
+      leaves.erase(key);
+      gone.push_back(key);
+    }
+  }
+}
+
 /// Equation 7, the union, and one step up.
 void confirm(std::map<VoxelKey, ReferenceLeaf>& leaves, const Bundle& bundle, const VoxelGrid& grid,
              const Parameters& parameters, int confirmations, double error, double settled) {
@@ -362,6 +397,7 @@ void ReferenceUpdate::update(const Scan& scan, const Pose& T_map_sensor, const P
     for (Contradiction& c : contradictions)
       if (!goes_through_surroundings(leaves, key, grid_.edge, o, c.bundle->mean)) c.impact = 0;
   }
+  std::vector<VoxelKey> gone;
   for (const auto& [key, contradictions] : evidence) {
     ReferenceLeaf& leaf = leaves.at(key);
     const bool spared = is_spared(key, leaf, bundles, parameters.update.spare_reobserved, tolerance);
@@ -378,8 +414,11 @@ void ReferenceUpdate::update(const Scan& scan, const Pose& T_map_sensor, const P
     if (leaf.count > 1)
       leaf.count = rounded(std::max(1.0, leaf.count * (1 - impact * parameters.update.forgetting)));
     const double least = rounded(parameters.update.hit * (2 - parameters.update.confirmations));
-    if (was_occupied ? leaf.log_odds <= 0 : leaf.log_odds < least) leaves.erase(key);
+    const bool goes = was_occupied ? leaf.log_odds <= 0 : leaf.log_odds < least;
+    if (goes && was_occupied) gone.push_back(key);
+    if (goes) leaves.erase(key);
   }
+  if (parameters.update.cohesion > 0) let_go_together(leaves, gone, bundles, grid_, o, parameters.update);
   for (const Bundle& bundle : bundles)
     confirm(leaves, bundle, grid_, parameters, parameters.update.confirmations, error,
             parameters.update.settled);

@@ -81,6 +81,8 @@ std::vector<Mode> default_modes() {
       varied("SureOfExtent", standard, [](P& p) { p.update.extent_prior = 0; }),
       varied("UnsureOfExtent", standard, [](P& p) { p.update.extent_prior = 8; }),
       varied("NoPatch", standard, [](P& p) { p.update.patch_radius = 0; }),
+      varied("NoCohesion", standard, [](P& p) { p.update.cohesion = 0; }),
+      varied("GreatCohesion", standard, [](P& p) { p.update.cohesion = 20; }),
       varied("NearOnly", standard, [](P& p) { p.lidar.min_range = 4, p.lidar.max_range = 15; }),
       varied("CoarseSensor", standard, [](P& p) { p.lidar.range_sigma = 0.05; }),
       {"Bare", bare, {}},

@@ -193,10 +193,7 @@ class MapMaintainer::Loop {
   void apply_reversibly(const BundleGrid& bundles, const Evidence& evidence, ScanResult& result) {
     apply_changes(result, [&] {
       rollback_.begin_scan();
-      LeafFinder leaves(std::as_const(map_));
-      for (const LeafEvidence& against : evidence.leaves) rollback_.remember(leaves, against.leaf);
-      for (const RayBundle& bundle : bundles.bundles()) rollback_.remember(leaves, bundle.key);
-      return apply_evidence(bundles, evidence, result);
+      return apply_evidence(bundles, evidence, result, &rollback_);
     });
   }
 
@@ -204,8 +201,10 @@ class MapMaintainer::Loop {
     return timed(result.times.trace, [&] { return trace(map_, bundles, parameters_.update); });
   }
 
-  LeafChanges apply_evidence(const BundleGrid& bundles, const Evidence& evidence, const ScanResult& result) {
-    return apply(map_, bundles, evidence, parameters_.update, viewpoint_.view_weight(result.T_map_sensor));
+  LeafChanges apply_evidence(const BundleGrid& bundles, const Evidence& evidence, const ScanResult& result,
+                             Rollback* rollback = nullptr) {
+    return apply(map_, bundles, evidence, parameters_.update, viewpoint_.view_weight(result.T_map_sensor),
+                 rollback);
   }
 
   /// Nobody reads the map while it changes.

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <evermap/geometry/detail/for_each_index.hpp>
+#include <evermap/geometry/detail/neighbourhood.hpp>
 #include <evermap/map/detail/leaf_finder.hpp>
+#include <evermap/update/detail/impact.hpp>
 #include <evermap/update/detail/leaf_update.hpp>
 #include <evermap/update/detail/map_updater.hpp>
 #include <evermap/update/detail/paper_impact.hpp>
@@ -30,10 +33,61 @@ void trim(Leaf& leaf, const Eigen::Vector3d& center_map, double thickness,
   leaf.set_gaussian(surface, center_map);
 }
 
+bool is_occupied(const Octree& octree, VoxelKey key) {
+  const Leaf* leaf = octree.find(key);
+  return leaf != nullptr && leaf->occupied();
+}
+
+/// Whether something at `p_map` stands before the leaf's plane, as the sensor sees it. A leaf without a plane
+/// tells of no surface, so everything may.
+bool stands_before(const Gaussian& leaf, const Eigen::Vector3d& p_map, const Eigen::Vector3d& origin_map,
+                   double clearance) {
+  const Plane plane = plane_of(leaf);
+  if (!plane.flat) return true;
+  const double sensor_side = plane.normal.dot(origin_map - leaf.mean);
+  const double side = plane.normal.dot(p_map - leaf.mean);
+  return (sensor_side > 0 ? side : -side) > clearance;
+}
+
+/// A surface goes as a whole. Of what stood at the sensor's height, rays see that its sides went, but none
+/// goes through its top. So each leaf that went contradicts the flat leaves beside it that the scan does not
+/// show, the more the fewer of their neighbours are left; not those before which it stood, as a box stands
+/// before ground and walls. These may go, too, and so on. Returns how many went.
+std::size_t let_go_together(Octree& octree, std::vector<VoxelKey> gone, const BundleGrid& bundles,
+                            const UpdateParameters& parameters, Rollback* rollback) {
+  std::size_t count = 0;
+  while (!gone.empty()) {
+    const VoxelKey went = gone.back();
+    gone.pop_back();
+    std::vector<VoxelKey> beside;
+    for_each_in_neighbourhood(went, [&](VoxelKey key) {
+      if (is_occupied(octree, key) && bundles.find(key) == nullptr) beside.push_back(key);
+    });
+    for (const VoxelKey key : beside) {
+      const Gaussian surface = octree.gaussian(key, *std::as_const(octree).find(key));
+      const double half_edge = octree.grid().edge / 2;
+      if (stands_before(surface, octree.grid().center(went), bundles.origin_map, half_edge)) continue;
+      int left = 0;  // of its neighbours, itself among them
+      for_each_in_neighbourhood(key, [&](VoxelKey near) { left += is_occupied(octree, near) ? 1 : 0; });
+      if (rollback != nullptr) {
+        LeafFinder leaves(std::as_const(octree));
+        rollback->remember(leaves, key);
+      }
+      Leaf& leaf = *octree.find(key);
+      leaf.log_odds -= static_cast<float>(parameters.cohesion / left * parameters.miss);
+      if (leaf.occupied()) continue;
+      octree.erase(key);
+      gone.push_back(key);
+      ++count;
+    }
+  }
+  return count;
+}
+
 /// Subtractive: every contradicted leaf has one owner; what is to go is erased afterwards, since that moves
-/// leaves. Returns how many occupied leaves went.
-std::size_t contradict_leaves(Octree& octree, const BundleGrid& bundles, const Evidence& evidence,
-                              const UpdateParameters& parameters) {
+/// leaves. Returns the occupied leaves that went.
+std::vector<VoxelKey> contradict_leaves(Octree& octree, const BundleGrid& bundles, const Evidence& evidence,
+                                        const UpdateParameters& parameters) {
   enum class Fate : char { kStays, kPendingGoes, kOccupiedGoes };
   const double thickness = least_thickness(bundles.range_sigma, octree.grid());
   std::vector<Fate> fates(evidence.leaves.size(), Fate::kStays);
@@ -50,10 +104,12 @@ std::size_t contradict_leaves(Octree& octree, const BundleGrid& bundles, const E
     if (against.impact == 0 || contradict(leaf, against.impact, parameters)) return;
     fates[i] = was_occupied ? Fate::kOccupiedGoes : Fate::kPendingGoes;
   });
+  std::vector<VoxelKey> gone;
   for (std::size_t i = 0; i < fates.size(); ++i) {
     if (fates[i] != Fate::kStays) octree.erase(evidence.leaves[i].leaf);
+    if (fates[i] == Fate::kOccupiedGoes) gone.push_back(evidence.leaves[i].leaf);
   }
-  return static_cast<std::size_t>(std::count(fates.begin(), fates.end(), Fate::kOccupiedGoes));
+  return gone;
 }
 
 /// Additive: leaves that exist are confirmed in parallel; new ones are made one by one, since that moves
@@ -113,8 +169,16 @@ LeafChanges update(Octree& octree, const BundleGrid& bundles, const UpdateParame
 }
 
 LeafChanges apply(Octree& octree, const BundleGrid& bundles, const Evidence& evidence,
-                  const UpdateParameters& parameters, double view_weight) {
-  const std::size_t erased = contradict_leaves(octree, bundles, evidence, parameters);
+                  const UpdateParameters& parameters, double view_weight, Rollback* rollback) {
+  if (rollback != nullptr) {
+    LeafFinder leaves(std::as_const(octree));
+    for (const LeafEvidence& against : evidence.leaves) rollback->remember(leaves, against.leaf);
+    for (const RayBundle& bundle : bundles.bundles()) rollback->remember(leaves, bundle.key);
+  }
+  std::vector<VoxelKey> gone = contradict_leaves(octree, bundles, evidence, parameters);
+  std::size_t erased = gone.size();
+  if (parameters.cohesion > 0)
+    erased += let_go_together(octree, std::move(gone), bundles, parameters, rollback);
   return {confirm_leaves(octree, bundles, evidence.alignment_error, parameters, view_weight), erased};
 }
 

@@ -31,6 +31,8 @@ struct UpdateParameters {
                                       ///< to where it was stays there; 0: every hit moves it
   double forgetting = 0.5;            ///< fraction of these that one full contradiction takes
 
+  double cohesion = 4;  ///< [full contradictions] shared by what is left of a surface's neighbours when one
+                        ///< goes: a flat leaf goes with those around it
   double standstill = 0.1;  ///< [m] a sensor that moved less sees the same again (Viewpoint); 0: never
 
   static UpdateParameters paper();
@@ -53,6 +55,7 @@ inline UpdateParameters UpdateParameters::paper() {
   parameters.max_count = 100;
   parameters.settled = 0;
   parameters.forgetting = 0;
+  parameters.cohesion = 0;
   parameters.standstill = 0;
   return parameters;
 }

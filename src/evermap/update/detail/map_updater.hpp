@@ -9,6 +9,7 @@
 #include <evermap/scan/detail/ray_bundle.hpp>
 #include <evermap/scan/scan.hpp>
 #include <evermap/update/detail/evidence.hpp>
+#include <evermap/update/detail/rollback.hpp>
 #include <evermap/update/parameters.hpp>
 
 namespace evermap {
@@ -36,9 +37,10 @@ BundleGrid add_cloud(Octree& octree, const Scan& cloud, const Pose& T_map_cloud,
 LeafChanges update(Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters,
                    double view_weight = 1);
 
-/// The last step of an update: contradict and confirm. Every leaf that it changes is among the evidence or is
-/// hit by a bundle. REQUIRES: `evidence` is what `bundles` say against this map.
+/// The last step of an update: contradict and confirm. What it changes, `rollback` remembers, if given: the
+/// leaves of the evidence, those that bundles hit, and those around leaves that went. REQUIRES: `evidence` is
+/// what `bundles` say against this map.
 LeafChanges apply(Octree& octree, const BundleGrid& bundles, const Evidence& evidence,
-                  const UpdateParameters& parameters, double view_weight);
+                  const UpdateParameters& parameters, double view_weight, Rollback* rollback = nullptr);
 
 }  // namespace evermap
