@@ -31,7 +31,7 @@ struct UpdateParameters {
                                       ///< to where it was stays there; 0: every hit moves it
   double forgetting = 0.5;            ///< fraction of these that one full contradiction takes
 
-  double cohesion = 4;  ///< [full contradictions] shared by what is left of a surface's neighbours when one
+  double cohesion = 2;  ///< [full contradictions] shared by what is left of a surface's neighbours when one
                         ///< goes: a flat leaf goes with those around it
   double standstill = 0.1;  ///< [m] a sensor that moved less sees the same again (Viewpoint); 0: never
 
