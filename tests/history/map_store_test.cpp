@@ -241,23 +241,6 @@ TEST_F(MapStoreTest, TagsAreNamesOfVersions) {
     file_error(map(), "a tag is a word", [&] { store.tag(name); });
 }
 
-TEST_F(MapStoreTest, PruningKeepsTheNewestTheTaggedAndTheLastOfDays) {
-  const std::vector<std::string> versions = three_versions();
-  for (int i = 0; i < 7; ++i) MapStore(map()).commit(next(), {"change", ""});
-  const std::string tagged = bytes_of_version("5");
-  const std::string last_of_day = bytes_of_version("7");
-  const std::string newest = bytes();
-  MapStore(map()).tag("spring", "5");
-  const std::int64_t day = 24 * 3600;
-  const std::int64_t noon = std::time(nullptr) / day * day + day / 2;
-  query("UPDATE version SET time = " + std::to_string(noon - 40 * day) + " WHERE number <= 7");
-  query("UPDATE version SET time = " + std::to_string(noon - 1000 * day) + " WHERE number <= 2");
-  // Times belong to what is sealed, so the versions are not what was written; prune seals them anew.
-  EXPECT_FALSE(verify(map()).is_sound());
-  EXPECT_THROW(MapStore(map()).prune(30 * day, 365 * day), FileError);
-  EXPECT_EQ(MapHistory(map()).versions().size(), 10U);
-}
-
 TEST_F(MapStoreTest, DropsVersionsThatNobodyKeeps) {
   const std::vector<std::string> versions = three_versions();
   for (int i = 0; i < 4; ++i) MapStore(map()).commit(next(), {"change", ""});

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <evermap/history/detail/pruning.hpp>
 #include <evermap/history/detail/version_table.hpp>
 #include <evermap/history/map_store.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
@@ -187,9 +188,11 @@ bool MapStore::acknowledge(const Octree& map, std::size_t scans) {
 }
 
 int MapStore::undo() {
-  if (!MapHistory::exists_for(path_)) throw FileError(path_, "no version before this one was kept");
-  note_outside_change();
-  const std::vector<StoredVersion> all = history().versions();
+  std::vector<StoredVersion> all;
+  if (MapHistory::exists_for(path_)) {
+    note_outside_change();
+    all = history().versions();
+  }
   if (all.size() < 2) throw FileError(path_, "no version before this one was kept");
   const StoredVersion& before = all[all.size() - 2];
   commit(history_->checkout(before.number), {"undo of version " + std::to_string(all.back().number), ""});
@@ -209,16 +212,7 @@ int MapStore::tag(const std::string& name, const std::string& version) {
 
 int MapStore::prune(std::int64_t keep, std::int64_t keep_daily) {
   if (!MapHistory::exists_for(path_)) throw FileError(path_, "has no history");
-  constexpr std::int64_t kDay = 24 * 3600;
-  const std::int64_t now = std::time(nullptr);
-  const std::vector<StoredVersion> all = history().versions();
-  std::vector<bool> is_kept(all.size());
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const std::int64_t age = now - all[i].time;
-    const bool is_last_of_its_day = i + 1 == all.size() || all[i + 1].time / kDay != all[i].time / kDay;
-    is_kept[i] =
-        i + 1 == all.size() || !all[i].tags.empty() || age < keep || (is_last_of_its_day && age < keep_daily);
-  }
+  const std::vector<bool> is_kept = which_to_keep(history().versions(), keep, keep_daily, std::time(nullptr));
   history_->keep_only(is_kept);
   return static_cast<int>(std::count(is_kept.begin(), is_kept.end(), false));
 }
