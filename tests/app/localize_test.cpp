@@ -181,12 +181,17 @@ TEST_F(LocalizeTest, WhatAKilledRunHadAcknowledgedIsThere) {
   std::map<int, std::string> maps;  // by scans
   const std::filesystem::path scans = path("scans");
   int recovered = 0;
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 1; i < kScans; ++i) {
     std::filesystem::remove(path("map.evm.history"));
     make("map.evm", before);
     const std::unique_ptr<Process> process =
         start(localize({"--maintain", "--map-out", name("map.evm"), "--sync", "1", "--verbose"}));
-    std::this_thread::sleep_for(std::chrono::milliseconds(10 + 15 * i));
+    const std::string taken = "scan " + std::to_string(i) + ":";
+    for (int wait = 0; wait < 60'000; ++wait) {
+      if (std::filesystem::exists(path("stderr")) && content(path("stderr")).find(taken) != std::string::npos)
+        break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
     process->send(SIGKILL);
     process->wait();
     expect_done({"info", name("map.evm")});
