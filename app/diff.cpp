@@ -48,15 +48,12 @@ void write_cloud(const std::filesystem::path& path, const MapDifference& differe
 void run_diff(const DiffOptions& options) {
   const Octree before = load_map_version(options.before);
   const Octree after = load_map_version(options.after);
-  const VoxelGrid& grid = before.grid();
-  if (grid.edge != after.grid().edge || grid.origin != after.grid().origin)
+  if (before.grid() != after.grid())
     throw std::runtime_error("the maps have leaves of another size, or in other places");
   const MapChange change(options.after, before, after);
   if (!options.report.empty()) {
     make_folder(options.report);
-    AtomicFile file(options.report / "report.json");
-    file.write(dump(to_json(change)));
-    file.commit();
+    write_json(options.report / "report.json", to_json(change));
     write_pictures(options.report, before, after, change.difference);
   }
   if (!options.cloud.empty()) write_cloud(options.cloud, change.difference, before, after);
@@ -70,9 +67,7 @@ void add_diff(CLI::App& app) {
   const auto options = std::make_shared<DiffOptions>();
   verb->add_option("BEFORE", options->before, "Map, or a version of one: map.evm@3, map.evm@TAG")->required();
   verb->add_option("AFTER", options->after, "Likewise")->required();
-  verb->add_option("--report", options->report,
-                   "Folder for report.json and pictures of before, after and the change")
-      ->type_name("DIR");
+  add_report_option(*verb, options->report);
   verb->add_option("--pcd", options->cloud, "Points of what came (change 1) and what went (-1), to write")
       ->type_name("FILE.pcd");
   add_json_option(*verb, options->as_json);

@@ -13,7 +13,6 @@
 #include "verbs.hpp"
 #include <evermap/history/map_history.hpp>
 #include <evermap/history/map_store.hpp>
-#include <evermap/io/map_file.hpp>
 
 namespace evermap {
 namespace {

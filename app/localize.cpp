@@ -71,7 +71,7 @@ void run_localize(const LocalizeOptions& options) {
   MapCause cause = cause_of("localize", options.scans.scans, parameters);
   if (store) store->begin(maintainer.map(), cause, options.journal);
   const auto acknowledge = [&](std::size_t scans) {
-    if (store) store->acknowledge(maintainer.map(), scans);
+    if (store) store->acknowledge([&] { return maintainer.map(); }, scans);
   };
   const LocalizedRun run =
       localize_scans(options.scans, maintainer, parameters.lidar.scan_period, acknowledge);

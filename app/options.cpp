@@ -146,6 +146,11 @@ void add_wait_option(CLI::App& verb, double& patience) {
       ->capture_default_str();
 }
 
+void add_report_option(CLI::App& verb, std::filesystem::path& folder) {
+  verb.add_option("--report", folder, "Folder for report.json and pictures of before, after and the change")
+      ->type_name("DIR");
+}
+
 void add_json_option(CLI::App& verb, bool& as_json) {
   verb.add_flag("--json", as_json, "Print the result as one JSON object");
 }

@@ -59,6 +59,8 @@ void add_sync_option(CLI::App& verb, JournalParameters& journal);
 /// How long to wait for another process that changes the map.
 void add_wait_option(CLI::App& verb, double& patience);
 
+/// --report, a folder for report.json and pictures.
+void add_report_option(CLI::App& verb, std::filesystem::path& folder);
 void add_json_option(CLI::App& verb, bool& as_json);
 
 /// Fails now, instead of after a long run, when `file` cannot be written. Throws FileError.

@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include <evermap/io/detail/atomic_file.hpp>
+
 namespace evermap {
 namespace {
 
@@ -125,5 +127,11 @@ std::string to_text(const MapChange& change) {
 std::string to_text(const ChangeReport& report) { return to_text(report.change) + to_text(report.run); }
 
 std::string dump(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+void write_json(const std::filesystem::path& path, const Json& json) {
+  AtomicFile file(path);
+  file.write(dump(json));
+  file.commit();
+}
 
 }  // namespace evermap

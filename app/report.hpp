@@ -52,5 +52,7 @@ std::string to_text(const ChangeReport& report);
 
 /// With a line break at the end; what is no UTF-8 (in a path, say) is replaced.
 std::string dump(const Json& json);
+/// Throws FileError when the file cannot be written.
+void write_json(const std::filesystem::path& path, const Json& json);
 
 }  // namespace evermap

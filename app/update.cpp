@@ -35,9 +35,7 @@ void prepare_outputs(const UpdateOptions& options) {
 
 void write_report(const std::filesystem::path& folder, const ChangeReport& report, const Octree& before,
                   const Octree& after) {
-  AtomicFile file(folder / "report.json");
-  file.write(dump(to_json(report)));
-  file.commit();
+  write_json(folder / "report.json", to_json(report));
   // Whoever interrupts waits for the end: of a large map, pictures take longer than saving it.
   if (report.run.stopped_by == 0) write_pictures(folder, before, after, report.change.difference);
 }
@@ -57,7 +55,7 @@ void run_update(const UpdateOptions& options) {
   const Run run =
       run_over(scans, options.run.threads, maintainer, [&](const PosedScan& posed, const ScanResult& result) {
         look_at_poses(posed, result);
-        store.acknowledge(maintainer.map(), posed.index + 1);
+        store.acknowledge([&] { return maintainer.map(); }, posed.index + 1);
       });
   const Octree octree = maintainer.map();
   cause.what += fmt::format(", {} scans", run.scans_done);
@@ -81,9 +79,7 @@ void add_update(CLI::App& app) {
   add_mode_option(*verb, options->parameters);
   add_range_options(*verb, options->parameters);
   add_config_option(*verb, options->parameters);
-  verb->add_option("--report", options->report,
-                   "Folder for report.json and pictures of before, after and the change")
-      ->type_name("DIR");
+  add_report_option(*verb, options->report);
   add_sync_option(*verb, options->journal);
   add_wait_option(*verb, options->patience);
   add_json_option(*verb, options->as_json);

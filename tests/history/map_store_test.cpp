@@ -160,7 +160,7 @@ TEST_F(MapStoreTest, AKilledRunIsThereUpToTheLastScanThatItAcknowledged) {
     make("map.evm", states[0]);
     killed_after([&](MapStore& store) {
       store.begin(maps[0], {"localize", ""}, {.scans = 1});
-      for (std::size_t scan = 1; scan <= last; ++scan) store.acknowledge(maps[scan], scan);
+      for (std::size_t scan = 1; scan <= last; ++scan) store.acknowledge([&] { return maps[scan]; }, scan);
     });
     EXPECT_TRUE(bytes() == states[0]);
     save_map(path("read.evm"), load_map_version(map()));  // whoever comes next
@@ -183,7 +183,7 @@ TEST_F(MapStoreTest, ARunThatBeganWithAnotherMapIsThereToo) {
   save_map(path("later.evm"), later);
   killed_after([&](MapStore& store) {
     store.begin(start, {"localize", ""}, {.scans = 1});
-    store.acknowledge(later, 1);
+    store.acknowledge([&] { return later; }, 1);
   });
   const MapStore store(map());
   EXPECT_NE(store.recovered(), "");
@@ -196,7 +196,7 @@ TEST_F(MapStoreTest, WhatWasPutInPlaceAfterAKillStaysAndTheRunIsAVersion) {
   save_map(path("later.evm"), later);
   killed_after([&](MapStore& store) {
     store.begin(load_map(map()), {"localize", ""}, {.scans = 1});
-    store.acknowledge(later, 1);
+    store.acknowledge([&] { return later; }, 1);
   });
   save_map(map(), next());
   const std::string replaced = bytes();
@@ -224,7 +224,7 @@ TEST_F(MapStoreTest, ARunThatIsGivenUpLeavesNoTrace) {
   {
     MapStore store(map());
     store.begin(load_map(map()), {"update", ""}, {.scans = 1});
-    EXPECT_TRUE(store.acknowledge(next(), 1));
+    EXPECT_TRUE(store.acknowledge([&] { return next(); }, 1));
   }
   EXPECT_FALSE(MapHistory(map()).is_unfinished());
   EXPECT_EQ(MapStore(map()).recovered(), "");

@@ -138,6 +138,10 @@ struct VoxelGrid {
     return origin + edge * (v.cast<double>().array() + 0.5).matrix();
   }
   Eigen::Vector3d center(VoxelKey key) const { return center(key.voxel()); }
+
+  friend bool operator==(const VoxelGrid& a, const VoxelGrid& b) {
+    return a.edge == b.edge && a.origin == b.origin;
+  }
 };
 
 }  // namespace evermap

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <optional>
 #include <system_error>
 
 #include <evermap/history/detail/version_table.hpp>
@@ -11,15 +10,6 @@
 
 namespace evermap {
 namespace {
-
-std::optional<Octree> sound_map(const std::filesystem::path& map, std::vector<std::string>& damage) {
-  try {
-    return load_map(map);
-  } catch (const FileError& error) {
-    damage.emplace_back(error.what());
-    return std::nullopt;
-  }
-}
 
 /// The versions that can be checked out, from whole to whole.
 void verify_versions(VersionTable& table, MapVerdict& verdict) {
@@ -77,12 +67,15 @@ void drop_unsound(VersionTable& table, const std::vector<int>& sound, std::vecto
 
 MapVerdict verify(const std::filesystem::path& map) {
   MapVerdict verdict;
-  const std::optional<Octree> in_place = sound_map(map, verdict.damage);
-  verdict.is_map_sound = in_place.has_value();
-  if (!MapHistory::exists_for(map)) {
-    if (!in_place) throw FileError(map, verdict.damage.front().substr(map.string().size() + 2));
-    return verdict;
+  const bool has_history = MapHistory::exists_for(map);
+  try {
+    load_map(map);
+    verdict.is_map_sound = true;
+  } catch (const FileError& error) {
+    if (!has_history) throw;
+    verdict.damage.emplace_back(error.what());
   }
+  if (!has_history) return verdict;
   const std::filesystem::path file = VersionTable::path_of(map);
   try {
     VersionTable table(file, Database::Access::kShare);

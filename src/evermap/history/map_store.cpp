@@ -86,7 +86,7 @@ void MapStore::recover() {
   history_->clear_journal();
   transaction.commit();
   // What somebody put in the map's place since is more recent.
-  if (read_map() && fingerprint_of(*in_place_) != fingerprint_of(before)) {
+  if (read_map() && fingerprint_of(*in_place_).hex() != all.back().fingerprint) {
     history_->set_in_place(version.number);
     note_outside_change();
   } else {
@@ -159,6 +159,7 @@ void MapStore::create(const Octree& map, const MapCause& cause) {
 }
 
 void MapStore::begin(const Octree& map, const MapCause& cause, const JournalParameters& parameters) {
+  if (parameters.scans == 0) return;
   run_ = std::make_unique<Run>(Run{cause, parameters, map, {}, 0, Run::Clock::now(), false, false});
 }
 
@@ -173,15 +174,16 @@ void MapStore::start_journal() {
   run_ = std::move(run);
 }
 
-bool MapStore::acknowledge(const Octree& map, std::size_t scans) {
-  if (run_ == nullptr || run_->parameters.scans == 0) return false;
+bool MapStore::acknowledge(const std::function<Octree()>& map, std::size_t scans) {
+  if (run_ == nullptr) return false;
   const auto now = Run::Clock::now();
   const bool is_due = scans >= run_->scans + run_->parameters.scans ||
                       now >= run_->time + std::chrono::duration<double>(run_->parameters.period);
   if (!is_due) return false;
   if (!run_->is_begun) start_journal();
-  history_->append_to_journal(run_->newest, run_->journaled, map, scans, run_->cause);
-  run_->journaled = map;
+  Octree reached = map();
+  history_->append_to_journal(run_->newest, run_->journaled, reached, scans, run_->cause);
+  run_->journaled = std::move(reached);
   run_->scans = scans;
   run_->time = now;
   return true;

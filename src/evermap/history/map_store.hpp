@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -51,9 +52,9 @@ class MapStore {
   /// From now on `acknowledge` keeps a journal of the run that begins with this map. What it wrote is given
   /// up when this object goes without commit().
   void begin(const Octree& map, const MapCause& cause, const JournalParameters& parameters = {});
-  /// The run has taken `scans`, and its map is this. When it returns true, a process that is killed at any
-  /// later moment, or a power cut, leaves no less than this.
-  bool acknowledge(const Octree& map, std::size_t scans);
+  /// The run has taken `scans`, and its map is this, which is asked for only when it is to be written. When
+  /// this returns true, a process that is killed at any later moment, or a power cut, leaves no less.
+  bool acknowledge(const std::function<Octree()>& map, std::size_t scans);
 
   /// Puts the version before in place, as a new version; returns its number.
   int undo();

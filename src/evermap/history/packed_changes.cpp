@@ -24,13 +24,6 @@ Record record_of(std::uint64_t key, const Leaf& leaf) {
   return record;
 }
 
-bool is_sound(const Leaf& leaf) {
-  const auto finite = [](float x) { return std::isfinite(x); };
-  return leaf.mean_in_voxel.allFinite() &&
-         std::all_of(leaf.covariance.begin(), leaf.covariance.end(), finite) && std::isfinite(leaf.count) &&
-         leaf.count >= 0 && std::isfinite(leaf.log_odds);
-}
-
 std::uint64_t seal_of(std::string_view compressed, std::uint64_t owner) {
   return XXH3_64bits_withSeed(compressed.data(), compressed.size(), owner);
 }
@@ -83,7 +76,7 @@ std::optional<std::vector<LeafChange>> unpack(std::string_view bytes, std::uint6
     std::memcpy(static_cast<void*>(&changes[i].leaf), records[i].data() + sizeof(step), sizeof(Leaf));
     last += step;
     changes[i].key = VoxelKey(last);
-    if (!is_sound(changes[i].leaf)) return std::nullopt;
+    if (!changes[i].leaf.is_finite() || changes[i].leaf.count < 0) return std::nullopt;
   }
   return changes;
 }

@@ -224,8 +224,7 @@ bool VersionTable::has_journal() {
 
 StoredVersion VersionTable::append(const Octree& before, const Octree& after, StoredVersion version) {
   const std::vector<StoredVersion> all = versions();
-  const bool is_whole = all.empty() || all.back().grid.edge != after.grid().edge ||
-                        all.back().grid.origin != after.grid().origin;
+  const bool is_whole = all.empty() || all.back().grid != after.grid();
   version.number = all.empty() ? 1 : all.back().number + 1;
   version.time = std::time(nullptr);
   version.evermap = EVERMAP_VERSION;
@@ -260,8 +259,7 @@ void VersionTable::keep_only(const std::vector<bool>& is_kept) {
     version.before = seal;
     if (i > 0 && !is_kept[i - 1]) {
       check(all[i], now);
-      version.is_whole = version.is_whole || !kept || kept->grid().edge != now.grid().edge ||
-                         kept->grid().origin != now.grid().origin;
+      version.is_whole = version.is_whole || !kept || kept->grid() != now.grid();
       remove(version.number);
       insert(version, changes_between(version.is_whole ? Octree(now.grid()) : *kept, now));
     } else {

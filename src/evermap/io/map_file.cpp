@@ -88,12 +88,7 @@ Leaf to_leaf(const Record& record) {
   return leaf;
 }
 
-bool is_sound(const Record& record) {
-  const auto finite = [](float value) { return std::isfinite(value); };
-  return std::all_of(record.mean_in_voxel, record.mean_in_voxel + 3, finite) &&
-         std::all_of(record.covariance, record.covariance + 6, finite) && std::isfinite(record.count) &&
-         record.count > 0 && std::isfinite(record.log_odds);
-}
+bool is_sound(const Leaf& leaf) { return leaf.is_finite() && leaf.count > 0; }
 
 std::uint64_t count_blocks(const Octree& octree) {
   std::uint64_t blocks = 0;
@@ -267,12 +262,13 @@ class MapReader {
     for (std::size_t i = 0; i < block.leaves; ++i) {
       const std::size_t at = sizeof(BlockHeader) + i * sizeof(Record);
       const auto record = take<Record>(section_, at);
+      const Leaf leaf = to_leaf(record);
       if (record.key_in_block <= last_key || record.key_in_block >= VoxelKey::kVoxelsPerBlock ||
-          !is_sound(record)) {
+          !is_sound(leaf)) {
         fail_in_block(offset_ + at, "leaf " + std::to_string(i) + " makes no sense");
       }
       last_key = record.key_in_block;
-      brick.add(first.with_voxel_in_block(record.key_in_block), to_leaf(record));
+      brick.add(first.with_voxel_in_block(record.key_in_block), leaf);
     }
     brick.finish();
   }
@@ -292,12 +288,11 @@ void save_map(const std::filesystem::path& path, const Octree& octree) {
   file.write(bytes_of(header_of(octree)));
   BlockWriter writer(file);
   octree.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
-    const Record record = to_record(key, leaf);
-    if (!is_sound(record)) {
+    if (!is_sound(leaf)) {
       throw FileError(path,
                       "not saved: leaf " + std::to_string(key.bits()) + " holds a value that is not finite");
     }
-    writer.add(key, record);
+    writer.add(key, to_record(key, leaf));
   });
   writer.flush();
   file.write(kEndMark);

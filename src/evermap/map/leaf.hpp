@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <Eigen/Core>
 
@@ -22,6 +24,12 @@ struct Leaf {
   float log_odds = 0;                                       ///< of occupancy
 
   bool occupied() const { return log_odds > 0; }
+
+  /// Whether every value is a number.
+  bool is_finite() const {
+    return mean_in_voxel.allFinite() && std::isfinite(count) && std::isfinite(log_odds) &&
+           std::all_of(covariance.begin(), covariance.end(), [](float x) { return std::isfinite(x); });
+  }
 
   /// Asks the memory for a leaf that is soon used: most lie across two cache lines.
   void prefetch() const {

@@ -6,11 +6,6 @@
 namespace evermap {
 namespace {
 
-bool is_occupied(const Octree& octree, VoxelKey key) {
-  const Leaf* leaf = octree.find(key);
-  return leaf != nullptr && leaf->occupied();
-}
-
 /// Whether an occupied leaf in or around this voxel shows surface at `p_map`.
 bool shows(const Octree& octree, VoxelKey key, const Eigen::Vector3d& p_map) {
   const double tolerance = MapDifference::kTolerance * octree.grid().edge;
@@ -28,7 +23,7 @@ bool shows(const Octree& octree, VoxelKey key, const Eigen::Vector3d& p_map) {
 MapDifference compare(const Octree& before, const Octree& after) {
   MapDifference difference;
   before.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
-    if (!leaf.occupied() || is_occupied(after, key)) return;
+    if (!leaf.occupied() || after.is_occupied(key)) return;
     if (shows(after, key, before.gaussian(key, leaf).mean)) {
       ++difference.border_removed;
     } else {
@@ -37,7 +32,7 @@ MapDifference compare(const Octree& before, const Octree& after) {
   });
   after.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
     if (!leaf.occupied()) return;
-    const bool was_occupied = is_occupied(before, key);
+    const bool was_occupied = before.is_occupied(key);
     if (shows(before, key, after.gaussian(key, leaf).mean)) {
       difference.border_added += was_occupied ? 0 : 1;
     } else {

@@ -68,6 +68,11 @@ class Octree {
     return brick ? brick->find(key.voxel_in_brick()) : nullptr;
   }
 
+  bool is_occupied(VoxelKey key) const {
+    const Leaf* leaf = find(key);
+    return leaf != nullptr && leaf->occupied();
+  }
+
   /// The leaf of this voxel, made when there is none. Pointers to other leaves become invalid.
   Leaf& find_or_insert(VoxelKey key) {
     Brick& brick = blocks_[key.block()].find_or_insert(key.brick_in_block());

@@ -33,11 +33,6 @@ void trim(Leaf& leaf, const Eigen::Vector3d& center_map, double thickness,
   leaf.set_gaussian(surface, center_map);
 }
 
-bool is_occupied(const Octree& octree, VoxelKey key) {
-  const Leaf* leaf = octree.find(key);
-  return leaf != nullptr && leaf->occupied();
-}
-
 /// Whether something at `p_map` stands before the leaf's plane, as the sensor sees it. A leaf without a plane
 /// tells of no surface, so everything may.
 bool stands_before(const Gaussian& leaf, const Eigen::Vector3d& p_map, const Eigen::Vector3d& origin_map,
@@ -61,18 +56,15 @@ std::size_t let_go_together(Octree& octree, std::vector<VoxelKey> gone, const Bu
     gone.pop_back();
     std::vector<VoxelKey> beside;
     for_each_in_neighbourhood(went, [&](VoxelKey key) {
-      if (is_occupied(octree, key) && bundles.find(key) == nullptr) beside.push_back(key);
+      if (octree.is_occupied(key) && bundles.find(key) == nullptr) beside.push_back(key);
     });
     for (const VoxelKey key : beside) {
       const Gaussian surface = octree.gaussian(key, *std::as_const(octree).find(key));
       const double half_edge = octree.grid().edge / 2;
       if (stands_before(surface, octree.grid().center(went), bundles.origin_map, half_edge)) continue;
       int left = 0;  // of its neighbours, itself among them
-      for_each_in_neighbourhood(key, [&](VoxelKey near) { left += is_occupied(octree, near) ? 1 : 0; });
-      if (rollback != nullptr) {
-        LeafFinder leaves(std::as_const(octree));
-        rollback->remember(leaves, key);
-      }
+      for_each_in_neighbourhood(key, [&](VoxelKey near) { left += octree.is_occupied(near) ? 1 : 0; });
+      if (rollback != nullptr) rollback->remember(key, std::as_const(octree).find(key));
       Leaf& leaf = *octree.find(key);
       leaf.log_odds -= static_cast<float>(parameters.cohesion / left * parameters.miss);
       if (leaf.occupied()) continue;
@@ -172,8 +164,9 @@ LeafChanges apply(Octree& octree, const BundleGrid& bundles, const Evidence& evi
                   const UpdateParameters& parameters, double view_weight, Rollback* rollback) {
   if (rollback != nullptr) {
     LeafFinder leaves(std::as_const(octree));
-    for (const LeafEvidence& against : evidence.leaves) rollback->remember(leaves, against.leaf);
-    for (const RayBundle& bundle : bundles.bundles()) rollback->remember(leaves, bundle.key);
+    for (const LeafEvidence& against : evidence.leaves)
+      rollback->remember(against.leaf, leaves.find(against.leaf));
+    for (const RayBundle& bundle : bundles.bundles()) rollback->remember(bundle.key, leaves.find(bundle.key));
   }
   std::vector<VoxelKey> gone = contradict_leaves(octree, bundles, evidence, parameters);
   std::size_t erased = gone.size();

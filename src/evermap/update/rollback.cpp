@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <utility>
 
-#include <evermap/map/detail/leaf_finder.hpp>
 #include <evermap/update/detail/rollback.hpp>
 
 namespace evermap {
@@ -17,9 +16,8 @@ void Rollback::begin_scan() {
   if (capacity_ > 0) scans_.push_back(std::move(images));
 }
 
-void Rollback::remember(LeafFinder<const Octree>& leaves, VoxelKey key) {
+void Rollback::remember(VoxelKey key, const Leaf* leaf) {
   if (scans_.empty()) return;
-  const Leaf* leaf = leaves.find(key);
   scans_.back().push_back({key, leaf != nullptr ? std::optional(*leaf) : std::nullopt});
 }
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include <evermap/map/detail/leaf_finder.hpp>
+#include <evermap/map/octree.hpp>
 
 namespace evermap {
 
@@ -23,8 +23,9 @@ class Rollback {
 
   /// Begins a scan: the oldest becomes final when there are too many.
   void begin_scan();
-  /// Keeps the leaf of this voxel as it is now, or that there is none. REQUIRES: begin_scan() was called.
-  void remember(LeafFinder<const Octree>& leaves, VoxelKey key);
+  /// Keeps the leaf of this voxel as it is now, or that there is none (nullptr). REQUIRES: begin_scan() was
+  /// called.
+  void remember(VoxelKey key, const Leaf* leaf);
 
   std::size_t scans() const { return scans_.size(); }
 
