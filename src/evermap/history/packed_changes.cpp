@@ -14,8 +14,8 @@
 namespace evermap {
 namespace {
 
-constexpr std::size_t kRecord = sizeof(std::uint64_t) + sizeof(Leaf);  // [bytes] key and leaf
-using Record = std::array<char, kRecord>;
+constexpr std::size_t kRecordSize = sizeof(std::uint64_t) + sizeof(Leaf);  // [bytes] key and leaf
+using Record = std::array<char, kRecordSize>;
 
 Record record_of(std::uint64_t key, const Leaf& leaf) {
   Record record;
@@ -41,8 +41,8 @@ std::string pack(std::span<const LeafChange> changes, std::uint64_t owner) {
     last = change.key.bits();
   }
   std::string plain;
-  plain.reserve(records.size() * kRecord);
-  for (std::size_t byte = 0; byte < kRecord; ++byte) {
+  plain.reserve(records.size() * kRecordSize);
+  for (std::size_t byte = 0; byte < kRecordSize; ++byte) {
     for (const Record& record : records) plain.push_back(record[byte]);
   }
   std::string packed(::ZSTD_compressBound(plain.size()), '\0');
@@ -60,12 +60,12 @@ std::optional<std::vector<LeafChange>> unpack(std::string_view bytes, std::uint6
   bytes.remove_suffix(sizeof(seal));
   if (seal != seal_of(bytes, owner)) return std::nullopt;
   const unsigned long long size = ::ZSTD_getFrameContentSize(bytes.data(), bytes.size());
-  if (size > kMostPacked * kRecord || size % kRecord != 0) return std::nullopt;
+  if (size > kMostPacked * kRecordSize || size % kRecordSize != 0) return std::nullopt;
   std::string plain(size, '\0');
   if (::ZSTD_decompress(plain.data(), plain.size(), bytes.data(), bytes.size()) != size) return std::nullopt;
-  std::vector<Record> records(size / kRecord);
+  std::vector<Record> records(size / kRecordSize);
   const char* next = plain.data();
-  for (std::size_t byte = 0; byte < kRecord; ++byte) {
+  for (std::size_t byte = 0; byte < kRecordSize; ++byte) {
     for (Record& record : records) record[byte] = *next++;
   }
   std::vector<LeafChange> changes(records.size());
