@@ -10,6 +10,7 @@
 #include <benchmark/benchmark.h>
 #include <oneapi/tbb/global_control.h>
 
+#include <evermap/geometry/detail/degree.hpp>
 #include <evermap/localization/detail/perturbation.hpp>
 #include <evermap/localization/detail/registration.hpp>
 #include <evermap/simulation/scenario_drive.hpp>
@@ -26,7 +27,6 @@ namespace evermap {
 namespace {
 
 constexpr std::size_t kScans = 20;
-constexpr double kDegree = 0.017453292519943295;
 
 struct Setting {
   std::vector<Eigen::Vector3d> survey;

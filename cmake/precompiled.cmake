@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the evermap authors
 # SPDX-License-Identifier: BSD-3-Clause
 # evermap_precompile(TARGET library|program|test): parses Eigen and the standard library (and GoogleTest) once a kind
-# instead of once a file. Sources of programs and tests are also compiled several at a time, since the headers that they
-# share (CLI11, JSON) make most of the code of each. It only saves time: the preset clang builds without, and there a
+# instead of once a file. Sources are also compiled several at a time, since the headers that they share (Eigen, CLI11,
+# JSON) make most of the code of each. It only saves time: the preset clang builds without, and there a
 # missing include shows.
 # One precompiled header serves only targets of the same flags, which is why libraries (-fPIC) have their own.
 function(evermap_precompile target kind)
@@ -27,7 +27,7 @@ function(evermap_precompile target kind)
     target_precompile_headers(${precompiled} PRIVATE ${headers})
   endif()
   target_precompile_headers(${target} REUSE_FROM ${precompiled})
-  if(NOT kind STREQUAL "library" AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
+  if(NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON)
   endif()
 endfunction()

@@ -8,6 +8,7 @@
 
 #include "experiments/experiment.hpp"
 #include "experiments/pose_judge.hpp"
+#include <evermap/geometry/detail/degree.hpp>
 #include <evermap/localization/detail/perturbation.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
 #include <evermap/maintenance/survey.hpp>
@@ -19,8 +20,6 @@
 
 namespace evermap {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// A short drive through a world that nobody tuned anything on.
 struct Trial {

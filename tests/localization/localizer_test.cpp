@@ -21,7 +21,6 @@
 namespace evermap {
 namespace {
 
-using test::kDegree;
 using test::kPeriod;
 
 Twist twist(double x, double y, double z, double yaw) {

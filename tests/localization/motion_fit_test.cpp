@@ -12,7 +12,6 @@
 namespace evermap {
 namespace {
 
-using test::kDegree;
 using test::kPeriod;
 
 Twist forward(double speed, double turn) {

@@ -20,8 +20,6 @@
 namespace evermap {
 namespace {
 
-using test::kDegree;
-
 /// The yard as it was surveyed, and scans of it as it is now.
 struct YardNow {
   Octree map = test::survey_map(test::yard().survey_scene(), 0.4);

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include <evermap/geometry/detail/degree.hpp>
 #include <evermap/map/octree.hpp>
 #include <evermap/simulation/scenario_drive.hpp>
 #include <evermap/simulation/simulator.hpp>
@@ -11,8 +12,7 @@
 
 namespace evermap::test {
 
-inline constexpr double kDegree = 0.017453292519943295;  ///< [rad]
-inline constexpr double kPeriod = 0.1;                   ///< [s] of a scan
+inline constexpr double kPeriod = 0.1;  ///< [s] of a scan
 
 /// The demo's world and drive.
 inline const ScenarioDrive& yard() {

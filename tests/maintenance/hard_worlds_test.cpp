@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "localization/worlds.hpp"
+#include <evermap/geometry/detail/degree.hpp>
 #include <evermap/localization/detail/perturbation.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
 
@@ -14,7 +15,6 @@ namespace evermap {
 namespace {
 
 constexpr double kPeriod = 0.1;  // [s]
-constexpr double kDegree = 0.017453292519943295;
 
 Pose at(double x, double y, double z, double yaw = 0) {
   return {Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix(), {x, y, z}};

@@ -8,17 +8,19 @@
 namespace evermap {
 namespace {
 
-constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
+constexpr std::string_view kMcapMagic("\x89MCAP0\r\n", 8);
 constexpr std::size_t kRecordHead = 9;  // [bytes] op and length
 
-enum Op : unsigned {
-  kFooter = 2,
-  kSchema = 3,
-  kChannel = 4,
-  kMessage = 5,
-  kChunk = 6,
-  kStatistics = 11,
-  kDataEnd = 15,
+struct McapOp {
+  enum : unsigned {
+    kFooter = 2,
+    kSchema = 3,
+    kChannel = 4,
+    kMessage = 5,
+    kChunk = 6,
+    kStatistics = 11,
+    kDataEnd = 15,
+  };
 };
 
 /// MCAP's own records are packed and little endian, with lengths of 32 bits, like messages of ROS 1.
@@ -29,32 +31,32 @@ double seconds(std::uint64_t nanoseconds) { return 1e-9 * static_cast<double>(na
 }  // namespace
 
 McapBag::McapBag(const std::filesystem::path& path) : ChunkedBag(path), size_(file_.rest()) {
-  if (!begins_with(kMagic)) throw FileError(path, "is no MCAP file; copy it again");
+  if (!begins_with(kMcapMagic)) throw FileError(path, "is no MCAP file; copy it again");
   if (!read_summary()) {
-    go_to(kMagic.size());
+    go_to(kMcapMagic.size());
     count_messages();
   }
-  go_to(kMagic.size());
+  go_to(kMcapMagic.size());
   is_at_end_ = false;
 }
 
 /// False when the file has none, or not all that is needed of it.
 bool McapBag::read_summary() {
   constexpr std::size_t kFooterSize = kRecordHead + 8 + 8 + 4;  // [bytes]
-  if (size_ < 2 * kMagic.size() + kFooterSize) return false;
-  file_.seek(size_ - kMagic.size() - kFooterSize);
+  if (size_ < 2 * kMcapMagic.size() + kFooterSize) return false;
+  file_.seek(size_ - kMcapMagic.size() - kFooterSize);
   const std::uint64_t footer_at = file_.position();
   std::string end;
   file_.append_to(end, file_.rest());
-  if (!end.ends_with(kMagic) || static_cast<unsigned char>(end.front()) != kFooter) return false;
+  if (!end.ends_with(kMcapMagic) || static_cast<unsigned char>(end.front()) != McapOp::kFooter) return false;
   const auto summary = reader_of(std::string_view(end).substr(kRecordHead)).number<std::uint64_t>();
-  if (summary < kMagic.size() || summary >= footer_at) return false;
+  if (summary < kMcapMagic.size() || summary >= footer_at) return false;
   bool has_statistics = false;
   try {
     for (file_.seek(summary); file_.position() < footer_at;) {
       const Record record = read_record();
       take(record);
-      if (record.op != kStatistics) continue;
+      if (record.op != McapOp::kStatistics) continue;
       WireReader statistics = reader_of(record.content);
       statistics.skip(1, 8 + 2 + 4 + 4 + 4 + 4 + 8 + 8);  // the whole file's
       constexpr std::size_t kEntry = 10;                  // [bytes] channel and number of messages
@@ -81,8 +83,8 @@ std::optional<BagMessage> McapBag::read_next() {
     }
     if (is_at_end_) return std::nullopt;
     const Record record = read_record();
-    is_at_end_ = record.op == kDataEnd || record.op == kFooter;
-    if (record.op == kChunk) {
+    is_at_end_ = record.op == McapOp::kDataEnd || record.op == McapOp::kFooter;
+    if (record.op == McapOp::kChunk) {
       unpack(record.content);
     } else if (std::optional<BagMessage> message = take(record)) {
       return message;
@@ -97,8 +99,9 @@ McapBag::Record McapBag::read_record() {
   Record record{.op = static_cast<unsigned char>(head.front())};
   const auto size = reader_of(std::string_view(head).substr(1)).number<std::uint64_t>();
   if (size > file_.rest()) fail_at_end();
-  const bool is_needed = record.op == kSchema || record.op == kChannel || record.op == kMessage ||
-                         record.op == kChunk || record.op == kStatistics;
+  const bool is_needed = record.op == McapOp::kSchema || record.op == McapOp::kChannel ||
+                         record.op == McapOp::kMessage || record.op == McapOp::kChunk ||
+                         record.op == McapOp::kStatistics;
   if (!is_needed) {
     file_.seek(file_.position() + size);
     return record;
@@ -137,12 +140,12 @@ void McapBag::unpack(std::string_view content) {
 
 std::optional<BagMessage> McapBag::take(const Record& record) {
   WireReader content = reader_of(record.content);
-  if (record.op == kSchema) {
+  if (record.op == McapOp::kSchema) {
     const auto id = content.number<std::uint16_t>();
     schemas_[id] = content.text();
   }
-  if (record.op == kChannel) add_channel(record.content);
-  if (record.op != kMessage) return std::nullopt;
+  if (record.op == McapOp::kChannel) add_channel(record.content);
+  if (record.op != McapOp::kMessage) return std::nullopt;
   const auto id = content.number<std::uint16_t>();
   content.skip(1, 4);  // its number
   const auto time = content.number<std::uint64_t>();

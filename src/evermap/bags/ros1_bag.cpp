@@ -8,16 +8,18 @@
 namespace evermap {
 namespace {
 
-constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
+constexpr std::string_view kRos1Magic = "#ROSBAG V2.0\n";
 constexpr std::uint64_t kGreatestHeader = std::uint64_t{1} << 24;  // [bytes]
 
-enum Op : unsigned {
-  kMessage = 2,
-  kBagHeader = 3,
-  kIndexData = 4,
-  kChunk = 5,
-  kChunkInfo = 6,
-  kConnection = 7,
+struct Ros1Op {
+  enum : unsigned {
+    kMessage = 2,
+    kBagHeader = 3,
+    kIndexData = 4,
+    kChunk = 5,
+    kChunkInfo = 6,
+    kConnection = 7,
+  };
 };
 
 std::uint64_t little(std::string_view bytes) {
@@ -52,10 +54,10 @@ std::uint64_t Ros1Bag::Record::number(std::string_view name, std::size_t size) c
 }
 
 Ros1Bag::Ros1Bag(const std::filesystem::path& path) : ChunkedBag(path), end_(file_.rest()) {
-  if (!begins_with(kMagic))
+  if (!begins_with(kRos1Magic))
     throw FileError(path, "is no ROS 1 bag of version 2.0 (rosbag fix makes one of older ones)");
   const Record header = read_record();
-  if (header.op() != kBagHeader) fail("has no bag header; copy the file again");
+  if (header.op() != Ros1Op::kBagHeader) fail("has no bag header; copy the file again");
   begin_ = file_.position();
   const std::uint64_t index = header.number("index_pos", 8);
   has_index_ = index >= begin_ && index <= end_;
@@ -75,8 +77,8 @@ Ros1Bag::Ros1Bag(const std::filesystem::path& path) : ChunkedBag(path), end_(fil
 void Ros1Bag::read_index() {
   while (file_.rest() > 0) {
     const Record record = read_record();
-    if (record.op() == kConnection) add_connection(record);
-    if (record.op() != kChunkInfo) continue;
+    if (record.op() == Ros1Op::kConnection) add_connection(record);
+    if (record.op() != Ros1Op::kChunkInfo) continue;
     constexpr std::size_t kEntry = 8;  // [bytes] connection and number of messages
     for (std::string_view rest = record.data; rest.size() >= kEntry; rest.remove_prefix(kEntry)) {
       const auto topic = topic_of_connection_.find(little(rest.substr(0, 4)));
@@ -95,7 +97,7 @@ std::optional<BagMessage> Ros1Bag::read_next() {
       return std::nullopt;
     }
     const Record record = read_record();
-    if (record.op() == kChunk) {
+    if (record.op() == Ros1Op::kChunk) {
       open_chunk(record.text("compression"), record.data, record.number("size", 4));
     } else if (std::optional<BagMessage> message = take(record)) {
       return message;
@@ -118,7 +120,7 @@ Ros1Bag::Record Ros1Bag::read_record() {
   const unsigned op = parse_header(buffer_).op();
   const std::uint64_t data_size = length();
   if (data_size > file_.rest()) fail_at_end();
-  if (op == kIndexData || op == kBagHeader) {
+  if (op == Ros1Op::kIndexData || op == Ros1Op::kBagHeader) {
     file_.seek(file_.position() + data_size);
   } else {
     file_.append_to(buffer_, data_size);
@@ -152,8 +154,8 @@ Ros1Bag::Record Ros1Bag::parse_header(std::string_view header) const {
 }
 
 std::optional<BagMessage> Ros1Bag::take(const Record& record) {
-  if (record.op() == kConnection) add_connection(record);
-  if (record.op() != kMessage) return std::nullopt;
+  if (record.op() == Ros1Op::kConnection) add_connection(record);
+  if (record.op() != Ros1Op::kMessage) return std::nullopt;
   const auto topic = topic_of_connection_.find(record.number("conn", 4));
   if (topic == topic_of_connection_.end()) fail("a message before belongs to no topic; copy the file again");
   if (!is_selected(topic->second)) return std::nullopt;

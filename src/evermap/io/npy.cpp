@@ -16,7 +16,7 @@
 namespace evermap {
 namespace {
 
-constexpr std::string_view kMagic("\x93NUMPY", 6);
+constexpr std::string_view kNpyMagic("\x93NUMPY", 6);
 
 struct Type {
   std::string_view code;
@@ -34,21 +34,22 @@ constexpr std::array<Type, 10> kTypes = {{{"i1", Scalar::kInt8},
                                           {"f8", Scalar::kFloat64}}};
 
 /// What numbers() of the header say, without blanks.
-struct Header {
+struct NpyHeader {
   std::string text;
   std::size_t data;  ///< [bytes] where it begins
 };
 
-Header read_header(const InputFile& file) {
+NpyHeader read_header(const InputFile& file) {
   const std::string_view bytes = file.bytes();
-  if (!bytes.starts_with(kMagic)) file.fail("is no array of NumPy; save it by numpy.save");
-  const bool is_first = bytes.size() > kMagic.size() && bytes[kMagic.size()] == 1;
-  const std::size_t begin = kMagic.size() + 2 + (is_first ? 2 : 4);
+  if (!bytes.starts_with(kNpyMagic)) file.fail("is no array of NumPy; save it by numpy.save");
+  const bool is_first = bytes.size() > kNpyMagic.size() && bytes[kNpyMagic.size()] == 1;
+  const std::size_t begin = kNpyMagic.size() + 2 + (is_first ? 2 : 4);
   if (bytes.size() < begin) file.fail("ends inside its header; copy the file again");
-  const auto size = static_cast<std::size_t>(decode(
-      bytes.data() + kMagic.size() + 2, is_first ? Scalar::kUint16 : Scalar::kUint32, std::endian::little));
+  const auto size =
+      static_cast<std::size_t>(decode(bytes.data() + kNpyMagic.size() + 2,
+                                      is_first ? Scalar::kUint16 : Scalar::kUint32, std::endian::little));
   if (size > bytes.size() - begin) file.fail("ends inside its header; copy the file again");
-  Header header{"", begin + size};
+  NpyHeader header{"", begin + size};
   for (const char c : bytes.substr(begin, size)) {
     if (c != ' ' && c != '\n' && c != '"') header.text += c;
   }
@@ -133,7 +134,7 @@ Scan read_npy(const std::filesystem::path& path, CloudNotes* notes) {
   constexpr const char* kExpected =
       "is no array of points; evermap reads numbers of shape (points, 3 or more), or records with x, y and z";
   const InputFile file(path);
-  const Header header = read_header(file);
+  const NpyHeader header = read_header(file);
   const std::string_view descr = value_of(header.text, "descr");
   const std::optional<std::vector<std::uint64_t>> shape = shape_of(value_of(header.text, "shape"));
   const bool is_by_column = value_of(header.text, "fortran_order") == "True";

@@ -1,22 +1,18 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <numbers>
 #include <utility>
 
 #include <Eigen/Geometry>
 
+#include <evermap/geometry/detail/degree.hpp>
 #include <evermap/localization/detail/localizer.hpp>
 #include <evermap/localization/detail/motion_fit.hpp>
 #include <evermap/localization/detail/perturbation.hpp>
 #include <evermap/scan/detail/deskew.hpp>
 
 namespace evermap {
-namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;  ///< [rad]
-
-}  // namespace
+namespace {}  // namespace
 
 std::string_view to_string(TrackingState state) {
   switch (state) {

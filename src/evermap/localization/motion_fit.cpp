@@ -4,20 +4,19 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include <evermap/geometry/detail/degree.hpp>
 #include <evermap/localization/detail/motion_fit.hpp>
 #include <evermap/localization/detail/perturbation.hpp>
 
 namespace evermap {
 namespace {
 
-constexpr int kParts = 8;                           ///< of a scan, equally long
-constexpr double kDegree = std::numbers::pi / 180;  ///< [rad]
+constexpr int kParts = 8;  ///< of a scan, equally long
 
 using Parts = std::array<NormalEquations, kParts>;
 

@@ -8,7 +8,7 @@
 namespace evermap {
 namespace {
 
-constexpr std::size_t kGrain = 4;  ///< blocks per task
+constexpr std::size_t kBlocksPerTask = 4;
 
 }  // namespace
 
@@ -38,7 +38,7 @@ std::vector<PlacedBrick> Octree::bricks_in(const Eigen::AlignedBox3i& voxels) co
   if (voxels.isEmpty()) return all;
   const std::vector<std::uint64_t> keys = block_keys_in(voxels);
   std::vector<std::vector<PlacedBrick>> found(keys.size());
-  for_each_index(found.size(), kGrain, [&](std::size_t i) {
+  for_each_index(found.size(), kBlocksPerTask, [&](std::size_t i) {
     const Block& block = *find_block(keys[i]);
     found[i].reserve(block.size());
     block.for_each([&](int index, const Brick& brick) {

@@ -35,9 +35,9 @@ std::size_t part(double value, double limit, std::size_t count, double padding) 
   return static_cast<std::size_t>(std::clamp(scaled, 0.0, static_cast<double>(count - 1)));
 }
 
-constexpr double kPadding = 1e-6;    ///< of a cell
-constexpr double kRounding = 1e-6;   ///< of a distance as a float, generously
-constexpr std::size_t kGrain = 512;  ///< rays per task
+constexpr double kPadding = 1e-6;   ///< of a cell
+constexpr double kRounding = 1e-6;  ///< of a distance as a float, generously
+constexpr std::size_t kTargetsPerTask = 512;
 
 }  // namespace
 
@@ -50,7 +50,7 @@ RayFan::RayFan(const VoxelGrid& grid, const Eigen::Vector3d& origin_map, std::sp
     return (target.end_map - origin_map) / grid.edge;
   };
   std::vector<std::uint32_t> cells(targets.size());
-  for_each_index(targets.size(), kGrain, [&](std::size_t i) {
+  for_each_index(targets.size(), kTargetsPerTask, [&](std::size_t i) {
     const Target& target = targets[i];
     const bool is_looked_at = target.until >= 0 && grid.voxel(target.end_map);
     cells[i] = is_looked_at ? cell_of(direction(target)) : kNoCell;
@@ -72,7 +72,7 @@ RayFan::RayFan(const VoxelGrid& grid, const Eigen::Vector3d& origin_map, std::sp
   }
   rays_.resize(sorted.size());
   reach_.resize(sorted.size());
-  for_each_index(sorted.size(), kGrain, [&](std::size_t i) {
+  for_each_index(sorted.size(), kTargetsPerTask, [&](std::size_t i) {
     const Target& target = targets[sorted[i]];
     const Eigen::Vector3d d = direction(target);
     rays_[i] = {target, VoxelRay::towards(origin_, d).inverse, sorted[i]};

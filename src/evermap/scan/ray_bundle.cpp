@@ -13,7 +13,7 @@
 namespace evermap {
 namespace {
 
-constexpr std::size_t kGrain = 1024;  ///< points or bundles per task
+constexpr std::size_t kPointsPerTask = 1024;  ///< points or bundles
 
 /// Points of the scan that follow one another in one voxel.
 struct Run {
@@ -35,7 +35,7 @@ Stretch runs_of(const Scan& scan, std::size_t begin, std::size_t end, const Pose
   Stretch stretch;
   // All keys first: where one run ends and the next begins, nothing foretells, and waiting for it would keep
   // the next points waiting.
-  std::array<std::optional<VoxelKey>, kGrain> keys;
+  std::array<std::optional<VoxelKey>, kPointsPerTask> keys;
   for (std::size_t i = begin; i < end; ++i) {
     const Eigen::Vector3d& p_sensor = scan.p_sensor[i];
     p_map[i] = T_map_sensor * p_sensor;
@@ -137,8 +137,8 @@ BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid&
   result.range_sigma = lidar.range_sigma;
   const std::size_t count = scan.p_sensor.size();
   std::vector<Eigen::Vector3d> p_map(count);
-  std::vector<Stretch> stretches(chunks(count, kGrain));
-  for_each_chunk(count, kGrain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+  std::vector<Stretch> stretches(chunks(count, kPointsPerTask));
+  for_each_chunk(count, kPointsPerTask, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     stretches[chunk] = runs_of(scan, begin, end, T_map_sensor, grid, lidar, p_map);
   });
   std::vector<Run> runs;
@@ -161,7 +161,7 @@ BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid&
   const double thickness = least_thickness(lidar.range_sigma, grid);
   const std::size_t voxels = begin.size() - 1;
   result.bundles_.resize(std::min(voxels, max_bundles));
-  for_each_index(result.bundles_.size(), kGrain, [&](std::size_t i) {
+  for_each_index(result.bundles_.size(), kPointsPerTask, [&](std::size_t i) {
     const std::size_t voxel = i * voxels / result.bundles_.size();
     const auto in_voxel = std::span(runs).subspan(begin[voxel], begin[voxel + 1] - begin[voxel]);
     result.bundles_[i] = bundle_of(in_voxel, p_map, grid, thickness);

@@ -3,18 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include <evermap/geometry/detail/degree.hpp>
 #include <evermap/simulation/mesh_file.hpp>
 #include <evermap/simulation/object_reader.hpp>
 
 namespace evermap {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kSink = 0.4;           ///< [m] that a box is let into the ground, for slopes
 constexpr double kWallSink = 1.5;       ///< [m] the same for a wall, which is longer
 constexpr std::size_t kMaxCount = 60;   ///< boxes of a body, see ScenarioDrive

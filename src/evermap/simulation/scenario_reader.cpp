@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include <evermap/files/detail/input_file.hpp>
 #include <evermap/files/detail/yaml_value.hpp>
+#include <evermap/geometry/detail/degree.hpp>
 #include <evermap/simulation/object_reader.hpp>
 #include <evermap/simulation/scenario.hpp>
 #include <evermap/simulation/shipped.hpp>
@@ -15,7 +15,6 @@
 namespace evermap {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::string_view kBodies = "bodies";  ///< the shipped text that is no scenario
 
 HeightFunction read_waves(const YamlMap& map) {

@@ -9,7 +9,7 @@
 namespace evermap {
 namespace {
 
-constexpr std::size_t kGrain = 1024;  ///< rays per task
+constexpr std::size_t kRaysPerTask = 1024;
 
 /// The fraction of the ray that is known to be free: just before the hit, range noise forbids a verdict.
 double free_fraction(const Ray& ray, const Gaussian& bundle, double range_sigma) {
@@ -45,7 +45,7 @@ class Unhit {
 
 std::vector<RayFan::Target> looked_at(const BundleGrid& bundles) {
   std::vector<RayFan::Target> targets(bundles.bundles().size());
-  for_each_index(targets.size(), kGrain, [&](std::size_t i) {
+  for_each_index(targets.size(), kRaysPerTask, [&](std::size_t i) {
     const Gaussian& points = bundles.bundles()[i].points;
     const Ray ray{bundles.origin_map, points.mean};
     targets[i] = {ray.end, free_fraction(ray, points, bundles.range_sigma)};

@@ -15,7 +15,7 @@
 namespace evermap {
 namespace {
 
-constexpr std::size_t kGrain = 32;  ///< bricks or leaves per task
+constexpr std::size_t kItemsPerTask = 32;  ///< bricks or leaves
 
 /// Who contradicts the leaves of these bricks, sorted by leaf.
 std::vector<Contradiction> gather(const Octree& octree, const BundleGrid& bundles, const RayFan& fan,
@@ -42,8 +42,8 @@ std::vector<Contradiction> find_contradictions(const Octree& octree, const Bundl
                                                const UpdateParameters& parameters) {
   const RayFan fan(octree.grid(), bundles.origin_map, looked_at(bundles));
   const std::vector<PlacedBrick> bricks = octree.bricks_in(fan.voxels());
-  std::vector<std::vector<Contradiction>> found(chunks(bricks.size(), kGrain));
-  for_each_chunk(bricks.size(), kGrain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+  std::vector<std::vector<Contradiction>> found(chunks(bricks.size(), kItemsPerTask));
+  for_each_chunk(bricks.size(), kItemsPerTask, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     const auto stretch = std::span(bricks).subspan(begin, end - begin);
     found[chunk] = gather(octree, bundles, fan, stretch, error, parameters);
   });
@@ -131,7 +131,7 @@ double alignment_error(const Octree& octree, const BundleGrid& bundles) {
   const std::size_t step = 1 + all.size() / kSamples;
   constexpr double kNotFlat = -1;
   std::vector<double> offsets(chunks(all.size(), step), kNotFlat);
-  for_each_index(offsets.size(), kGrain, [&](std::size_t i) {
+  for_each_index(offsets.size(), kItemsPerTask, [&](std::size_t i) {
     const RayBundle& bundle = all[i * step];
     const Leaf* leaf = octree.find(bundle.key);
     if (leaf == nullptr || !leaf->occupied() || leaf->count < kMinLeafCount) return;
@@ -172,7 +172,7 @@ Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdatePara
     evidence.leaves.push_back({all[begin].leaf, 0, begin, end});
     begin = end;
   }
-  for_each_index(evidence.leaves.size(), kGrain, [&](std::size_t i) {
+  for_each_index(evidence.leaves.size(), kItemsPerTask, [&](std::size_t i) {
     LeafEvidence& against = evidence.leaves[i];
     if (bundles.find(against.leaf) != nullptr) return;  // occupied wins
     const Gaussian leaf = octree.gaussian(against.leaf, *octree.find(against.leaf));

@@ -17,7 +17,7 @@
 namespace evermap {
 namespace {
 
-constexpr std::size_t kGrain = 256;  ///< leaves per task
+constexpr std::size_t kLeavesPerTask = 256;
 
 /// Takes from the leaf's geometry what the contradicting rays saw to be free; occupancy decides on its life.
 void trim(Leaf& leaf, const Eigen::Vector3d& center_map, double thickness,
@@ -84,7 +84,7 @@ std::vector<VoxelKey> contradict_leaves(Octree& octree, const BundleGrid& bundle
   const double thickness = least_thickness(bundles.range_sigma, octree.grid());
   std::vector<Fate> fates(evidence.leaves.size(), Fate::kStays);
   octree.own(evidence.leaves, [](const LeafEvidence& against) { return against.leaf; });
-  for_each_index(evidence.leaves.size(), kGrain, [&](std::size_t i) {
+  for_each_index(evidence.leaves.size(), kLeavesPerTask, [&](std::size_t i) {
     const LeafEvidence& against = evidence.leaves[i];
     Leaf& leaf = *octree.find(against.leaf);
     if (parameters.trim_leaves) {
@@ -112,7 +112,7 @@ std::size_t confirm_leaves(Octree& octree, const BundleGrid& bundles, double err
   enum class Hit : char { kNew, kConfirms, kMakesOccupied };
   std::vector<Hit> hits(all.size(), Hit::kNew);
   octree.own(all, [](const RayBundle& bundle) { return bundle.key; });
-  for_each_chunk(all.size(), kGrain, [&](std::size_t, std::size_t begin, std::size_t end) {
+  for_each_chunk(all.size(), kLeavesPerTask, [&](std::size_t, std::size_t begin, std::size_t end) {
     LeafFinder leaves(octree);
     for (std::size_t i = begin; i < end; ++i) {
       Leaf* leaf = leaves.find(all[i].key);
