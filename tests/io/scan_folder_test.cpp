@@ -51,6 +51,18 @@ TEST_F(ScanFolderTest, NumbersInNamesAreCounted) {
   order({"scan.bin", "scan1.bin", "scan2.bin"});
 }
 
+TEST_F(ScanFolderTest, CompressedScansHaveTheOrderOfTheirTimes) {
+  make("10.25.bin.gz", "x");
+  make("10.5.bin.gz", "x");
+  make("9.1.bin.gz", "x");
+  const ScanFolder source(folder_);
+  ASSERT_EQ(source.size(), 3U);
+  EXPECT_EQ(source.file(0), path("9.1.bin.gz"));
+  EXPECT_EQ(source.file(1), path("10.25.bin.gz"));
+  make_scan("9.1.bin", 1);
+  file_error(folder_, "mixes formats", [&] { ScanFolder mixed(folder_); });
+}
+
 TEST_F(ScanFolderTest, OptionsReachTheReader) {
   make("a.bin", bytes_of<float>({1, 2, 3, 0, 0, 4, 5, 6, 0, 0}));
   ScanFolder source(folder_, {.bin_fields = 5});

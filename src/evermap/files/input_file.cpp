@@ -10,6 +10,7 @@
 #include <unistd.h>
 #include <utility>
 
+#include <evermap/files/detail/gzip.hpp>
 #include <evermap/files/detail/input_file.hpp>
 
 namespace evermap {
@@ -93,6 +94,7 @@ InputFile::InputFile(std::filesystem::path path) : path_(std::move(path)) {
     fail("has " + std::to_string(stream.rest()) + " bytes, more than half of this machine's memory");
   }
   stream.append_to(bytes_, stream.rest());
+  if (is_gzip(path_)) bytes_ = gunzip(path_, bytes_);
 }
 
 }  // namespace evermap

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <string>
 
+#include <evermap/files/detail/gzip.hpp>
 #include <evermap/files/file_error.hpp>
 #include <evermap/io/cloud.hpp>
 #include <evermap/io/detail/bin.hpp>
@@ -53,7 +54,7 @@ constexpr std::array<Format, 9> kFormats = {{{".bin", read_bin_cloud},
                                              {".csv", read_any_text}}};
 
 const Format* format_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
+  std::string extension = without_gzip(path).extension().string();
   for (char& c : extension) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   }

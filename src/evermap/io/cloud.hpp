@@ -14,7 +14,7 @@ namespace evermap {
 
 /// The extensions that read_cloud knows, for messages.
 inline constexpr std::string_view kCloudExtensions =
-    ".bin (KITTI), .pcd, .ply, .las, .npy, .xyz, .txt and .csv";
+    ".bin (KITTI), .pcd, .ply, .las, .npy, .xyz, .txt and .csv, also with .gz";
 
 /// What a user knows of a file better than the file says.
 struct CloudOptions {
@@ -22,15 +22,16 @@ struct CloudOptions {
   bool ignore_viewpoint = false;          ///< of a PCD file: the scan has no pose
 };
 
-/// The extension of `path` in lower case when read_cloud knows it, none otherwise. Does not look at the file.
+/// The extension of `path`, less .gz and in lower case, when read_cloud knows it, none otherwise. Does not
+/// look at the file.
 std::optional<std::string_view> cloud_extension(const std::filesystem::path& path);
 
 /// Whether read_cloud would read a text, which beside other files is mostly something else: times, or poses.
 bool is_text_cloud(const std::filesystem::path& path);
 
-/// Reads a point cloud or scan; the format follows from the extension (kCloudExtensions, any case). Fills
-/// `notes`, when given, with what was taken for what. Throws FileError when the file is missing, malformed or
-/// of another kind. Thread safe.
+/// Reads a point cloud or scan; the format follows from the extension (kCloudExtensions, any case), of what
+/// is in it where that is .gz. Fills `notes`, when given, with what was taken for what. Throws FileError when
+/// the file is missing, malformed or of another kind. Thread safe.
 Scan read_cloud(const std::filesystem::path& path, const CloudOptions& options = {},
                 CloudNotes* notes = nullptr);
 

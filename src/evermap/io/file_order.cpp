@@ -5,6 +5,7 @@
 #include <string_view>
 #include <system_error>
 
+#include <evermap/files/detail/gzip.hpp>
 #include <evermap/files/file_error.hpp>
 #include <evermap/io/detail/file_order.hpp>
 
@@ -44,7 +45,7 @@ bool counts_before(std::string_view a, std::string_view b) {
 
 /// Whether a name is a number with a fraction: a time, as 1305031102.175.
 bool is_time(const std::filesystem::path& file) {
-  const std::string stem = file.stem().string();
+  const std::string stem = without_gzip(file).stem().string();
   const std::string_view rest = stem;
   const std::size_t dot = rest.find('.');
   return dot != std::string_view::npos && dot > 0 && dot + 1 < rest.size() &&
@@ -54,8 +55,8 @@ bool is_time(const std::filesystem::path& file) {
 
 /// Fractions are compared as such: .25 comes before .5.
 bool times_before(const std::filesystem::path& a, const std::filesystem::path& b) {
-  const std::string a_name = a.stem().string();
-  const std::string b_name = b.stem().string();
+  const std::string a_name = without_gzip(a).stem().string();
+  const std::string b_name = without_gzip(b).stem().string();
   std::string_view a_rest = a_name;
   std::string_view b_rest = b_name;
   const std::string_view a_whole = take_number(a_rest);

@@ -4,6 +4,7 @@
 #include <string>
 #include <system_error>
 
+#include <evermap/files/detail/gzip.hpp>
 #include <evermap/files/file_error.hpp>
 #include <evermap/io/detail/file_order.hpp>
 #include <evermap/io/detail/scan_folder.hpp>
@@ -24,7 +25,9 @@ ScanFolder::ScanFolder(const std::filesystem::path& path, const CloudOptions& op
     throw FileError(path, "holds no scan; known are " + std::string(kCloudExtensions));
   }
   for (const std::filesystem::path& file : files_) {
-    if (cloud_extension(file) == cloud_extension(files_.front())) continue;
+    // A scan that was unpacked beside its compressed file would count twice.
+    if (cloud_extension(file) == cloud_extension(files_.front()) && is_gzip(file) == is_gzip(files_.front()))
+      continue;
     throw FileError(path, "mixes formats, as of " + files_.front().filename().string() + " and " +
                               file.filename().string() + "; leave one format in the folder");
   }

@@ -41,7 +41,7 @@ class InputStream {
   std::uint64_t position_ = 0;
 };
 
-/// A whole file in memory, and the way to say what is wrong in it.
+/// A whole file in memory, unpacked where its name ends with .gz, and the way to say what is wrong in it.
 ///
 /// A copy instead of a memory map, because a map kills the process when the file shrinks meanwhile. The
 /// constructor throws FileError like InputStream's, and when the file is larger than half of the machine's
