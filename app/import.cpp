@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
@@ -14,6 +15,7 @@
 #include <evermap/files/file_error.hpp>
 #include <evermap/history/map_store.hpp>
 #include <evermap/io/cloud.hpp>
+#include <evermap/io/detail/scan_folder.hpp>
 #include <evermap/maintenance/survey.hpp>
 
 namespace evermap {
@@ -43,13 +45,29 @@ Eigen::Vector3d median(const Scan& cloud, const Pose& T_map_cloud) {
   return result;
 }
 
+/// A cloud, or the clouds of a folder together (tiles), in the map frame where a file says where it was
+/// taken.
+Scan read_survey(const ImportOptions& options, CloudNotes& notes) {
+  if (!std::filesystem::is_directory(options.cloud))
+    return read_cloud(options.cloud, options.reading, &notes);
+  ScanFolder clouds(options.cloud, options.reading);
+  Scan survey;
+  while (const std::optional<Scan> cloud = clouds.next()) {
+    const Pose T_map_cloud = cloud->T_map_sensor.value_or(Pose{});
+    for (const Eigen::Vector3d& p : cloud->p_sensor) survey.p_sensor.push_back(T_map_cloud * p);
+    notes.has_viewpoint = notes.has_viewpoint || clouds.notes().has_viewpoint;
+    notes.coordinate_step = std::max(notes.coordinate_step, clouds.notes().coordinate_step);
+  }
+  return survey;
+}
+
 void run_import(const ImportOptions& options) {
   check_leaf(options.leaf);
   const Parameters parameters = parameters_of(options.parameters);
   check_writable(options.map);
   MapStore store(options.map, options.patience);
   CloudNotes notes;
-  const Scan cloud = read_cloud(options.cloud, options.reading, &notes);
+  const Scan cloud = read_survey(options, notes);
   if (notes.coordinate_step > 0 && !cloud.p_sensor.empty()) {  // a few stray points do not count
     const auto usual = static_cast<float>(median(cloud, Pose{}).cwiseAbs().maxCoeff());
     notes.farthest_coordinate = static_cast<double>(usual);
@@ -59,6 +77,11 @@ void run_import(const ImportOptions& options) {
   if (notes.has_viewpoint && !options.reading.ignore_viewpoint) {
     spdlog::warn("{}: its VIEWPOINT moves the cloud; --ignore-viewpoint leaves it where its points are",
                  options.cloud.string());
+  }
+  constexpr double kFewestVoxels = 2;  // along a leaf, for a plane through their middles
+  if (notes.voxel > 0 && options.leaf < kFewestVoxels * notes.voxel) {
+    spdlog::warn("{}: voxels of {} m tell the surface to half of that; leaves of {} m (-r) lie on it better",
+                 options.cloud.string(), notes.voxel, kFewestVoxels * notes.voxel);
   }
   const Pose T_map_cloud = cloud.T_map_sensor.value_or(Pose{});
   const Eigen::Vector3d center =
@@ -81,7 +104,8 @@ void run_import(const ImportOptions& options) {
 void add_import(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("import", "Make a map from a point cloud, all of which is trusted");
   const auto options = std::make_shared<ImportOptions>();
-  verb->add_option("CLOUD", options->cloud, "Cloud in the map frame: " + std::string(kCloudExtensions))
+  verb->add_option("CLOUD", options->cloud,
+                   "Cloud in the map frame, or folder of its tiles: " + std::string(kCloudExtensions))
       ->required();
   verb->add_option("-o,--output", options->map, "Map to write")->required()->type_name("MAP.evm");
   add_bin_fields_option(*verb, options->reading);

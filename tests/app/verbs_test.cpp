@@ -123,6 +123,24 @@ TEST_F(VerbsTest, ExportWritesEveryFormat) {
                 "known are .pcd, .ply, .las, .pgm, .ot and .bt");
 }
 
+TEST_F(VerbsTest, WhatIsExportedCanBeImported) {
+  make("cloud.bin", room(true));
+  expect_done({"import", name("cloud.bin"), "-r", "0.4", "-o", name("map.evm")});
+  const auto leaves_of = [&](const char* map) {
+    return Json::parse(run({"info", name(map), "--json"}).out)["leaves"]["occupied"].get<int>();
+  };
+  for (const char* out : {"out.pcd", "out.ply", "out.ot", "out.bt"})
+    expect_done({"export", name("map.evm"), name(out)});
+  expect_done({"export", name("map.evm"), name("tiles"), "--tiles", "5"});
+  for (const char* file : {"out.pcd", "out.ply", "out.ot", "out.bt", "tiles"}) {
+    const Result result = run({"import", name(file), "-r", "0.4", "-o", name("again.evm")});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(leaves_of("again.evm"), leaves_of("map.evm")) << file;
+    const bool is_octomap = std::string_view(file).ends_with("t");
+    EXPECT_EQ(result.err.find("leaves of 0.8 m (-r) lie on it better") != std::string::npos, is_octomap);
+  }
+}
+
 TEST_F(VerbsTest, BinFieldsAreSaidWhereTheFileDoesNotTell) {
   std::vector<float> values;  // x y z intensity ring: as plausible as 4 values a point
   for (int i = 0; i < 400; ++i) {

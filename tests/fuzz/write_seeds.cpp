@@ -58,6 +58,12 @@ void write_seeds(const std::filesystem::path& folder) {
   write("npy", "rows",
         std::string("\x93NUMPY\x01\x00\x40\x00", 10) +
             "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 4), }    \n" + floats);
+  write(
+      "bt", "voxels",
+      "# Octomap OcTree binary file\nid OcTree\nsize 3\nres 0.1\ndata\n" + std::string("\x03\0\x02\x40", 4));
+  write("ot", "voxels",
+        "# Octomap OcTree file\nid OcTree\nsize 2\nres 0.1\ndata\n" +
+            std::string("\0\0\x80\x3F\x01\0\0\x80\x3F\0", 10));
   write("las", "empty", "LASF" + std::string(371, '\1'));
   write("poses", "tum", "0 1 2 3 0 0 0 1\n1 2 3 4 0 0 0 1\n");
   write("poses", "kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n");

@@ -11,6 +11,7 @@
 #include <evermap/io/detail/bin.hpp>
 #include <evermap/io/detail/las.hpp>
 #include <evermap/io/detail/npy.hpp>
+#include <evermap/io/detail/octomap_file.hpp>
 #include <evermap/io/detail/pcd.hpp>
 #include <evermap/io/detail/ply.hpp>
 #include <evermap/io/detail/text_cloud.hpp>
@@ -43,15 +44,20 @@ Scan read_npy_cloud(const std::filesystem::path& path, const CloudOptions&, Clou
 Scan read_any_text(const std::filesystem::path& path, const CloudOptions&, CloudNotes* notes) {
   return read_text_cloud(path, notes);
 }
-constexpr std::array<Format, 9> kFormats = {{{".bin", read_bin_cloud},
-                                             {".pcd", read_pcd_cloud},
-                                             {".ply", read_ply_cloud},
-                                             {".las", read_las_cloud},
-                                             {".laz", read_las_cloud},
-                                             {".npy", read_npy_cloud},
-                                             {".xyz", read_any_text},
-                                             {".txt", read_any_text},
-                                             {".csv", read_any_text}}};
+Scan read_octomap_cloud(const std::filesystem::path& path, const CloudOptions&, CloudNotes* notes) {
+  return read_octomap(path, notes);
+}
+constexpr std::array<Format, 11> kFormats = {{{".bin", read_bin_cloud},
+                                              {".pcd", read_pcd_cloud},
+                                              {".ply", read_ply_cloud},
+                                              {".las", read_las_cloud},
+                                              {".laz", read_las_cloud},
+                                              {".npy", read_npy_cloud},
+                                              {".bt", read_octomap_cloud},
+                                              {".ot", read_octomap_cloud},
+                                              {".xyz", read_any_text},
+                                              {".txt", read_any_text},
+                                              {".csv", read_any_text}}};
 
 const Format* format_of(const std::filesystem::path& path) {
   std::string extension = without_gzip(path).extension().string();

@@ -14,7 +14,7 @@ namespace evermap {
 
 /// The extensions that read_cloud knows, for messages.
 inline constexpr std::string_view kCloudExtensions =
-    ".bin (KITTI), .pcd, .ply, .las, .npy, .xyz, .txt and .csv, also with .gz";
+    ".bin (KITTI), .pcd, .ply, .las, .npy, .xyz, .txt, .csv, and OctoMap's .bt and .ot, also with .gz";
 
 /// What a user knows of a file better than the file says.
 struct CloudOptions {
