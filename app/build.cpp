@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/core.h>
@@ -10,6 +11,7 @@
 #include "report.hpp"
 #include "verbs.hpp"
 #include <evermap/history/map_store.hpp>
+#include <evermap/io/detail/pose_log.hpp>
 
 namespace evermap {
 namespace {
@@ -55,8 +57,13 @@ void build_without_poses(const BuildOptions& options, MapStore& store, Parameter
   scans.threads = options.run.threads;
   parameters.lidar.scan_period = scan_period_of(scans, parameters.lidar.scan_period);
   MapMaintainer maintainer(Octree(VoxelGrid{.edge = options.leaf}), parameters, MapMode::kMapping);
-  const LocalizedRun run = localize_scans(scans, maintainer, parameters.lidar.scan_period);
-  if (!options.poses_out.empty()) write_tum_poses(options.poses_out, run.trajectory);
+  std::optional<PoseLog> log;
+  if (!options.poses_out.empty()) log.emplace(options.poses_out);
+  const LocalizedRun run =
+      localize_scans(scans, maintainer, parameters.lidar.scan_period, [&](const LocalizedRun& sofar) {
+        if (log) log->extend(sofar.trajectory);
+      });
+  if (log) log->finish(run.trajectory);
   finish(options, store, maintainer.map(), run);
   end_as(run.run);
   if (run.is_lost() || run.is_hardly_tracked()) {

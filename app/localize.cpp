@@ -13,6 +13,7 @@
 #include "report.hpp"
 #include "verbs.hpp"
 #include <evermap/history/map_store.hpp>
+#include <evermap/io/detail/pose_log.hpp>
 #include <evermap/io/detail/quaternion.hpp>
 
 namespace evermap {
@@ -70,17 +71,19 @@ void run_localize(const LocalizeOptions& options) {
                            initial_pose_of(options));
   MapCause cause = cause_of("localize", options.scans.scans, parameters);
   if (store) store->begin(maintainer.map(), cause, options.journal);
-  const auto acknowledge = [&](std::size_t scans) {
-    if (store) store->acknowledge([&] { return maintainer.map(); }, scans);
+  PoseLog log(options.poses);
+  const auto acknowledge = [&](const LocalizedRun& run) {
+    log.extend(run.trajectory);
+    if (store && store->acknowledge([&] { return maintainer.map(); }, run.scans.size())) log.sync();
   };
   const LocalizedRun run =
       localize_scans(options.scans, maintainer, parameters.lidar.scan_period, acknowledge);
-  write_tum_poses(options.poses, run.trajectory);
+  log.finish(run.trajectory);
   if (!options.states.empty()) write_states(options.states, run);
   if (store) {
     cause.what +=
         fmt::format(", {} of {} scans tracked", run.count(TrackingState::kTracking), run.scans.size());
-    store->commit(maintainer.map(), cause);
+    put_in_place(*store, maintainer.map(), cause);
   }
   if (options.as_json) {
     Json json = {{"poses", options.poses.string()}};

@@ -99,7 +99,7 @@ double scan_period_of(const LocalizedScans& options, double configured) {
 }
 
 LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& maintainer, double scan_period,
-                            const std::function<void(std::size_t scans)>& acknowledge) {
+                            const std::function<void(const LocalizedRun& run)>& look) {
   ScanOptions reading = options.reading;
   ScanPoses odometry = options.odometry.empty()     ? ScanPoses::odometry_of(options.scans, reading)
                        : options.odometry == "none" ? ScanPoses("", options.scans, reading)
@@ -127,7 +127,7 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
     time = now;
     result.with_odometry += T_odom_sensor ? 1 : 0;
     record(result, time, take([&] { return maintainer.process(*scan, time, T_odom_sensor); }));
-    if (acknowledge) acknowledge(result.scans.size());
+    look(result);
     return true;
   });
   result.run.point_time = point_time;

@@ -56,9 +56,9 @@ double scan_period_of(const LocalizedScans& options, double configured);
 
 /// Gives the maintainer scan by scan until all are done or SIGINT or SIGTERM came. Throws FileError when
 /// scans or odometry cannot be read or do not belong together. `scan_period` [s] tells the scans' times where
-/// the odometry has none. Calls `acknowledge` after each scan, with the number of scans that are done.
+/// the odometry has none. Shows the run up to there to `look` after each scan.
 LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& maintainer, double scan_period,
-                            const std::function<void(std::size_t scans)>& acknowledge = {});
+                            const std::function<void(const LocalizedRun& run)>& look);
 
 /// A table with a row a scan: what was thought of it, and why. Throws FileError when it cannot be written.
 void write_states(const std::filesystem::path& path, const LocalizedRun& run);

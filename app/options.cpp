@@ -123,6 +123,13 @@ Octree load_start(const std::filesystem::path& map, MapStore& store) {
   return std::filesystem::equivalent(map, store.path(), error) ? store.load() : load_map_version(map);
 }
 
+void put_in_place(MapStore& store, const Octree& map, const MapCause& cause) {
+  store.commit(map, cause);
+  if (!store.met_another_program()) return;
+  spdlog::warn("{}: another program put a map in its place during this run; that one is the version before",
+               store.path().string());
+}
+
 MapCause cause_of(const std::string& verb, const std::filesystem::path& scans, const Parameters& parameters) {
   const std::string yaml = to_yaml(parameters);
   return {fmt::format("{} {}", verb, scans.string()),

@@ -52,6 +52,9 @@ void check_leaf(double leaf);
 /// The map that a run starts from: `map.evm`, or a version of it, `map.evm@3`. A run that changes the file
 /// itself reads it through the store. Warns when the store had to bring something back.
 Octree load_start(const std::filesystem::path& map, MapStore& store);
+
+/// Commits what a run made of the map. Warns when another program was at the map meanwhile.
+void put_in_place(MapStore& store, const Octree& map, const MapCause& cause);
 /// What a run is, for the history of the map that it changes.
 MapCause cause_of(const std::string& verb, const std::filesystem::path& scans, const Parameters& parameters);
 /// --sync

@@ -59,7 +59,7 @@ void run_update(const UpdateOptions& options) {
       });
   const Octree octree = maintainer.map();
   cause.what += fmt::format(", {} scans", run.scans_done);
-  store.commit(octree, cause);
+  put_in_place(store, octree, cause);
   const ChangeReport report{{options.output, before, octree}, run};
   if (!options.report.empty()) write_report(options.report, report, before, octree);
   fmt::print("{}", options.as_json ? dump(to_json(report)) : to_text(report));

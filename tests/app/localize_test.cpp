@@ -214,6 +214,8 @@ TEST_F(LocalizeTest, WhatAKilledRunHadAcknowledgedIsThere) {
            name("few.evm"), "--sync", "0"});
       maps[count] = content(path("few.evm"));
     }
+    const std::string found = content(path("poses.txt.part"));
+    EXPECT_GE(std::count(found.begin(), found.end(), '\n'), count) << "poses of the same scans";
     EXPECT_TRUE(content(path("map.evm")) == maps[count]) << cause;
     ++recovered;
   }

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "files/file_fixture.hpp"
+#include <evermap/history/detail/packed_changes.hpp>
 #include <evermap/history/map_history.hpp>
 #include <evermap/history/map_repair.hpp>
 #include <evermap/history/map_store.hpp>
@@ -121,6 +122,30 @@ TEST_F(MapStoreTest, KnowsOfAMapThatAnotherProgramPutInPlace) {
   EXPECT_TRUE(bytes_of_version("5") == bytes());
   MapStore(map()).undo();
   EXPECT_TRUE(bytes() == found);
+}
+
+TEST_F(MapStoreTest, AMapThatAnotherProgramPutsInPlaceDuringARunIsAVersion) {
+  for (const bool has_journal : {false, true}) {
+    three_versions();
+    const std::size_t before = causes().size();
+    MapStore store(map());
+    octree_ = store.load();
+    if (has_journal) {
+      store.begin(octree_, {"run", ""}, {.scans = 1});
+      store.acknowledge([&] { return next(); }, 1);
+    }
+    const Octree of_the_run = octree_;
+    save_map(map(), next());
+    const std::string found = bytes();
+    EXPECT_FALSE(store.met_another_program());
+    store.commit(of_the_run, {"run", ""});
+    EXPECT_TRUE(store.met_another_program());
+    ASSERT_EQ(causes().size(), before + 2);
+    EXPECT_EQ(causes()[before], "replaced by another program");
+    EXPECT_TRUE(bytes_of_version(std::to_string(before + 1)) == found);
+    EXPECT_TRUE(fingerprint_of(load_map(map())) == fingerprint_of(of_the_run));
+    EXPECT_TRUE(verify(map()).is_sound());
+  }
 }
 
 TEST_F(MapStoreTest, AMapOfOtherLeavesIsAVersion) {

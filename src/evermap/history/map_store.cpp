@@ -99,9 +99,13 @@ void MapStore::recover() {
 
 /// False when there is no sound map in the file.
 bool MapStore::read_map() {
-  if (in_place_) return true;
+  const FileStamp stamp = stamp_of(path_);
+  if (in_place_ && stamp_ == stamp) return true;
+  is_foreign_ = in_place_.has_value();
+  in_place_.reset();
   try {
     in_place_ = load_map(path_);
+    stamp_ = stamp;
   } catch (const FileError&) {
     return false;
   }
@@ -109,41 +113,53 @@ bool MapStore::read_map() {
 }
 
 Octree MapStore::load() {
+  stamp_ = stamp_of(path_);  // first: who replaces the file now is noticed later
   in_place_ = load_map(path_);
   return *in_place_;
 }
 
 /// The history knows of every map that was in place.
 void MapStore::note_outside_change() {
-  if (!read_map()) return;
-  const std::vector<StoredVersion> all = history().versions();
-  if (!all.empty() && all.back().fingerprint == fingerprint_of(*in_place_).hex()) return;
-  const Octree before = all.empty() ? Octree(in_place_->grid()) : history_->checkout(all.back().number);
-  Transaction transaction(history_->database());
-  history_->append(before, *in_place_,
-                   version_of({all.empty() ? "as it was found" : "replaced by another program", ""}, true));
+  Transaction transaction(history().database());
+  append_outside_change();
   transaction.commit();
 }
 
-void MapStore::put_in_place(const Octree& map, int version) {
+void MapStore::append_outside_change() {
+  if (!read_map()) return;
+  const std::vector<StoredVersion> all = history().versions();
+  if (!all.empty() && all.back().fingerprint == fingerprint_of(*in_place_).hex()) return;
+  met_another_program_ = met_another_program_ || is_foreign_;
+  const Octree before = all.empty() ? Octree(in_place_->grid()) : history_->checkout(all.back().number);
+  history_->append(before, *in_place_,
+                   version_of({all.empty() ? "as it was found" : "replaced by another program", ""}, true));
+}
+
+void MapStore::save(const Octree& map) {
   save_map(path_, map);
   in_place_ = map;
+  stamp_ = stamp_of(path_);
+  is_foreign_ = false;
+}
+
+void MapStore::put_in_place(const Octree& map, int version) {
+  save(map);
   history_->set_in_place(version);
 }
 
 void MapStore::commit(const Octree& map, const MapCause& cause) {
   if (run_) run_->is_ending = true;
   if (!MapHistory::exists_for(path_) && !read_map()) {
-    save_map(path_, map);
-    in_place_ = map;
+    save(map);
   } else {
-    note_outside_change();
+    // Both versions or none: the journal that ends with them continues the version before.
+    Transaction transaction(history().database());
+    append_outside_change();
     // A file that holds no map is replaced; the history goes on from what it held before.
     const std::vector<StoredVersion> all = history().versions();
     const Octree before = in_place_     ? *in_place_
                           : all.empty() ? Octree(map.grid())
                                         : history_->checkout(all.back().number);
-    Transaction transaction(history_->database());
     const StoredVersion version = history_->append(before, map, version_of(cause, false));
     history_->clear_journal();
     transaction.commit();
@@ -154,8 +170,7 @@ void MapStore::commit(const Octree& map, const MapCause& cause) {
 
 void MapStore::create(const Octree& map, const MapCause& cause) {
   if (MapHistory::exists_for(path_)) return commit(map, cause);
-  save_map(path_, map);
-  in_place_ = map;
+  save(map);
 }
 
 void MapStore::begin(const Octree& map, const MapCause& cause, const JournalParameters& parameters) {

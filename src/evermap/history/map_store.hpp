@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include <evermap/history/detail/file_stamp.hpp>
 #include <evermap/history/map_history.hpp>
 #include <evermap/io/detail/map_lock.hpp>
 #include <evermap/map/octree.hpp>
@@ -27,6 +28,9 @@ struct JournalParameters {
 ///   map.evm.history  its versions, and the journal of the run that changes it
 ///   map.evm.lock     who changes it
 ///
+/// A program that does not ask for the lock may put a map in place all the same: that one becomes a version
+/// of its own, before the next one of ours.
+///
 /// What a killed process left unfinished is brought to its end by the constructor: a version that it had
 /// stored is put into the map file, and the scans that its journal holds become a version. All functions
 /// throw FileError. Not thread safe.
@@ -41,6 +45,8 @@ class MapStore {
   const std::filesystem::path& path() const { return path_; }
   /// What the constructor brought back, in words; empty when there was nothing.
   const std::string& recovered() const { return recovered_; }
+  /// Whether a map was found that another program had put in place since this object read it.
+  bool met_another_program() const { return met_another_program_; }
 
   Octree load();
 
@@ -72,13 +78,18 @@ class MapStore {
   void start_journal();
   bool read_map();
   void note_outside_change();
+  void append_outside_change();
+  void save(const Octree& map);
   void put_in_place(const Octree& map, int version);
 
   std::filesystem::path path_;
   MapLock lock_;
   std::unique_ptr<VersionTable> history_;  ///< none while there is nothing to keep
   std::optional<Octree> in_place_;         ///< what the map file holds, once it was read
+  FileStamp stamp_;                        ///< of the file that holds it
+  bool is_foreign_ = false;                ///< another program put it there since it was read before
   std::string recovered_;
+  bool met_another_program_ = false;
   std::unique_ptr<Run> run_;  ///< that keeps a journal
 };
 

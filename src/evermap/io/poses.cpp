@@ -1,14 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <utility>
 
 #include <evermap/files/detail/text_lines.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
+#include <evermap/io/detail/pose_log.hpp>
 #include <evermap/io/detail/quaternion.hpp>
 #include <evermap/io/poses.hpp>
 
@@ -99,17 +98,7 @@ PoseFile read_poses(const std::filesystem::path& path) {
 
 void write_tum_poses(const std::filesystem::path& path, const std::vector<StampedPose>& poses) {
   AtomicFile file(path);
-  // The longest number that %.6f prints has 317 characters, %.12g 19.
-  std::array<char, 512> line{};
-  for (const StampedPose& pose : poses) {
-    const Eigen::Vector3d& t = pose.T_map_sensor.translation;
-    const Eigen::Quaterniond q(pose.T_map_sensor.rotation);
-    const int size = std::snprintf(line.data(), line.size(), "%.6f %.9g %.9g %.9g %.12g %.12g %.12g %.12g\n",
-                                   pose.time.value(), t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
-    const bool is_whole = size > 0 && static_cast<std::size_t>(size) < line.size();
-    if (!is_whole) throw FileError(path, "a pose cannot be written as a line");
-    file.write(line.data(), static_cast<std::size_t>(size));
-  }
+  for (const StampedPose& pose : poses) file.write(tum_row(path, pose));
   file.commit();
 }
 

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <fcntl.h>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+#include <evermap/files/file_error.hpp>
+#include <evermap/io/detail/pose_log.hpp>
+
+namespace evermap {
+namespace {
+
+[[noreturn]] void fail_to_log(const std::filesystem::path& path) {
+  throw FileError(path, "cannot be written: " + std::generic_category().message(errno));
+}
+
+}  // namespace
+
+std::string tum_row(const std::filesystem::path& path, const StampedPose& pose) {
+  // The longest number that %.6f prints has 317 characters, %.12g 19.
+  std::array<char, 512> row{};
+  const Eigen::Vector3d& t = pose.T_map_sensor.translation;
+  const Eigen::Quaterniond q(pose.T_map_sensor.rotation);
+  const int size = std::snprintf(row.data(), row.size(), "%.6f %.9g %.9g %.9g %.12g %.12g %.12g %.12g\n",
+                                 pose.time.value(), t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+  const bool is_whole = size > 0 && static_cast<std::size_t>(size) < row.size();
+  if (!is_whole) throw FileError(path, "a pose cannot be written as a line");
+  return {row.data(), static_cast<std::size_t>(size)};
+}
+
+PoseLog::PoseLog(std::filesystem::path poses) : poses_(std::move(poses)), path_(poses_.string() + ".part") {
+  constexpr unsigned kAll = 0666;  // what the user's umask leaves of it
+  do {
+    descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kAll);
+  } while (descriptor_ < 0 && errno == EINTR);
+  if (descriptor_ < 0) fail_to_log(path_);
+}
+
+PoseLog::~PoseLog() {
+  ::close(descriptor_);
+  if (written_ == 0) ::unlink(path_.c_str());
+}
+
+void PoseLog::extend(const std::vector<StampedPose>& trajectory) {
+  std::string rows;
+  for (; written_ < trajectory.size(); ++written_) rows += tum_row(path_, trajectory[written_]);
+  for (std::size_t done = 0; done < rows.size();) {
+    const ssize_t size = ::write(descriptor_, rows.data() + done, rows.size() - done);
+    if (size < 0 && errno == EINTR) continue;
+    if (size < 0) fail_to_log(path_);
+    done += static_cast<std::size_t>(size);
+  }
+}
+
+void PoseLog::sync() {
+  while (::fdatasync(descriptor_) != 0) {
+    if (errno != EINTR) fail_to_log(path_);
+  }
+}
+
+void PoseLog::finish(const std::vector<StampedPose>& trajectory) {
+  write_tum_poses(poses_, trajectory);
+  ::unlink(path_.c_str());
+}
+
+}  // namespace evermap
