@@ -1,22 +1,62 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
-// libFuzzer over one reader, EVERMAP_READ(path): whatever a file holds, it is read or refused by a FileError.
+// libFuzzer over one reader, EVERMAP_READ(path): whatever a file holds, it is read or refused by a FileError,
+// and what was read can be written and read again.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <fstream>
+#include <sstream>
 #include <unistd.h>
 
 #include <evermap/bags/scan_bag.hpp>
+#include <evermap/config/parameters_file.hpp>
 #include <evermap/files/file_error.hpp>
+#include <evermap/history/detail/packed_changes.hpp>
+#include <evermap/history/map_history.hpp>
 #include <evermap/io/cloud.hpp>
 #include <evermap/io/map_file.hpp>
 #include <evermap/io/poses.hpp>
+#include <evermap/simulation/scenario.hpp>
 
 namespace {
 
 [[maybe_unused]] void read_all(const std::filesystem::path& path) {
   const auto scans = evermap::open_scans(path, {.reference = "odom"});
   while (const std::optional<evermap::Scan> scan = scans->next()) scans->pose_at(*scan->time);
+}
+
+[[maybe_unused]] void read_parameters(const std::filesystem::path& path) {
+  evermap::Parameters parameters;
+  evermap::read_parameters(path, parameters);
+}
+
+[[maybe_unused]] void read_history(const std::filesystem::path& path) {
+  const evermap::MapHistory history(path.parent_path() / path.stem());
+  for (const evermap::MapVersion& version : history.versions()) history.checkout(version.number);
+}
+
+std::filesystem::path again(const std::filesystem::path& path) { return path.string() + ".again"; }
+
+/// What is written of poses is rows of numbers, as many as there are poses.
+[[maybe_unused]] void write_poses(const std::filesystem::path& path) {
+  const std::vector<evermap::StampedPose> poses = evermap::read_poses(path).poses;
+  if (!poses.front().time) return;
+  evermap::write_tum_poses(again(path), poses);
+  std::ostringstream text;
+  text << std::ifstream(again(path)).rdbuf();
+  const std::string rows = text.str();
+  const auto count = static_cast<std::size_t>(std::count(rows.begin(), rows.end(), '\n'));
+  if (count != poses.size() || rows.find_first_not_of("0123456789.+-e \n") != std::string::npos) std::abort();
+}
+
+/// A map that was written is read again as it was.
+[[maybe_unused]] void write_map(const std::filesystem::path& path) {
+  const evermap::Octree map = evermap::load_map(path);
+  evermap::save_map(again(path), map);
+  if (!(evermap::fingerprint_of(evermap::load_map(again(path))) == evermap::fingerprint_of(map)))
+    std::abort();
 }
 
 /// A file in memory with the extension that the reader wants.

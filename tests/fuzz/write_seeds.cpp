@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // write_seeds FOLDER: a small file of each kind for the fuzzers to begin with, in FOLDER/<fuzzer>.
 #include <fstream>
+#include <zlib.h>
 
 #include "bags/bag_writer.hpp"
+#include <evermap/config/parameters_file.hpp>
 #include <evermap/geometry/pose.hpp>
+#include <evermap/history/map_store.hpp>
+#include <evermap/io/map_file.hpp>
 
 namespace evermap {
 namespace {
@@ -32,6 +36,7 @@ void write_seeds(const std::filesystem::path& folder) {
     std::ofstream(folder / fuzzer / name, std::ios::binary)
         .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   };
+  for (const char* fuzzer : {"gzip", "map", "history"}) std::filesystem::create_directories(folder / fuzzer);
   for (const std::string compression : {"none", "bz2", "lz4"})
     write("ros1_bag", compression, ros1_bag(messages_in(Wire::kRos1), {compression, true, 4}));
   for (const std::string compression : {"none", "lz4", "zstd"})
@@ -65,6 +70,22 @@ void write_seeds(const std::filesystem::path& folder) {
         "# Octomap OcTree file\nid OcTree\nsize 2\nres 0.1\ndata\n" +
             std::string("\0\0\x80\x3F\x01\0\0\x80\x3F\0", 10));
   write("las", "empty", "LASF" + std::string(371, '\1'));
+  gzFile compressed = gzopen((folder / "gzip" / "csv").c_str(), "wb");
+  gzputs(compressed, "x,y,z\n1,2,3\n4,5,6\n");
+  gzclose(compressed);
+  Octree octree(VoxelGrid{.edge = 0.5});
+  octree.find_or_insert(VoxelKey::from_voxel({1, 2, 3})).count = 4;
+  save_map(folder / "map" / "leaf", octree);
+  const std::filesystem::path map = folder / "history.evm";
+  MapStore(map).create(octree, {"import", ""});
+  octree.find_or_insert(VoxelKey::from_voxel({3, 2, 1})).count = 5;
+  MapStore(map).commit(octree, {"update", ""});
+  std::filesystem::rename(map.string() + ".history", folder / "history" / "versions");
+  write("parameters", "all", to_yaml(Parameters{}));
+  write("scenario", "yard",
+        "scans: 2\nground:\n  area: [-30, -30, 30, 30]\n  features:\n    - slope: [0.02, 0.01]\nrobot:\n"
+        "  sensor_height: 1.7\n  route:\n    speed: 4\n    waypoints: [{at: [-11, -8], speed: 5}, [3, -8]]\n"
+        "objects:\n  - {name: box, box: [6, 2.4, 2.6], places: [[-15, 8, 11]], from: 1}\n");
   write("poses", "tum", "0 1 2 3 0 0 0 1\n1 2 3 4 0 0 0 1\n");
   write("poses", "kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n");
 }
