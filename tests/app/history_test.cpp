@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+
 #include <nlohmann/json.hpp>
 
 #include "app/program.hpp"
@@ -54,6 +56,30 @@ TEST_F(HistoryTest, VersionsAreReadByNumberAndByTag) {
   expect_done({"export", name("map.evm@1"), name("old.pcd")});
   expect_failed({"info", name("map.evm@7")}, "holds no version \"7\"; there are 1 to 2");
   expect_failed({"info", name("none.evm@7")}, "has no history");
+}
+
+TEST_F(HistoryTest, OfManyWritersAtOnceNoneIsLostAndReadersSeeWholeMaps) {
+  constexpr int kWriters = 4;
+  std::vector<std::string> arguments = update("map.evm", "now", "map.evm");
+  arguments.insert(arguments.end(), {"--wait", "120"});
+  std::vector<std::unique_ptr<Process>> writers;
+  for (int i = 0; i < kWriters; ++i) {
+    const std::string number = std::to_string(i);
+    writers.push_back(std::make_unique<Process>(arguments, path("out" + number), path("err" + number)));
+  }
+  std::size_t all = 2;
+  for (int look = 0; all < 2 + kWriters; ++look) {
+    ASSERT_LT(look, 10'000) << "a writer ended without its version";
+    expect_done({"info", name("map.evm")});
+    const std::size_t now = versions().size();
+    ASSERT_GE(now, all);
+    if (now > all) expect_done({"info", name("map.evm@" + std::to_string(now))});
+    all = now;
+  }
+  for (int i = 0; i < kWriters; ++i)
+    EXPECT_EQ(writers[i]->wait(), 0) << content(path("err" + std::to_string(i)));
+  EXPECT_EQ(versions().size(), 2U + kWriters);
+  expect_done({"verify", name("map.evm")});
 }
 
 TEST_F(HistoryTest, DiffTellsWhatWent) {
