@@ -12,7 +12,6 @@
 #include <evermap/scan/detail/deskew.hpp>
 
 namespace evermap {
-namespace {}  // namespace
 
 std::string_view to_string(TrackingState state) {
   switch (state) {
