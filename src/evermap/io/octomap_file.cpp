@@ -74,6 +74,7 @@ class OctomapReader {
     }
   };
   static constexpr std::uint32_t kSide = 1U << 16;
+  static constexpr double kMiddle = 1U << 15;
   static constexpr Node kRoot{{0, 0, 0}, kSide};
 
   double take(Scalar type) {
@@ -119,7 +120,7 @@ class OctomapReader {
     if (count > most - scan_.p_sensor.size())
       file_.fail_at_byte(position_, "holds more than " + std::to_string(most) + " occupied voxels");
     const auto center = [&](int axis, std::uint32_t step) {
-      return (static_cast<double>(node.begin[axis] + step) - kSide / 2 + 0.5) * header_.resolution;
+      return (static_cast<double>(node.begin[axis] + step) - kMiddle + 0.5) * header_.resolution;
     };
     for (std::uint32_t x = 0; x < node.size; ++x) {
       for (std::uint32_t y = 0; y < node.size; ++y) {

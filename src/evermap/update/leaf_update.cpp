@@ -59,10 +59,10 @@ void confirm(Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& center_m
   }
   surface.count = std::min(surface.count, parameters.max_count);
   leaf.set_gaussian(surface, center_map);
-  constexpr double kRounding = 1e-5;  // of stored log-odds: it must not turn the last 0 into occupied
+  constexpr double kAlmostZero = 1e-5;  // of stored log-odds: it must not turn the last 0 into occupied
   const double log_odds = is_new ? std::min(first_hit(parameters), parameters.max_log_odds)
                                  : raised(static_cast<double>(leaf.log_odds), parameters);
-  leaf.log_odds = std::abs(log_odds) < kRounding ? 0 : static_cast<float>(log_odds);
+  leaf.log_odds = std::abs(log_odds) < kAlmostZero ? 0 : static_cast<float>(log_odds);
 }
 
 bool contradict(Leaf& leaf, double impact, const UpdateParameters& parameters) {
