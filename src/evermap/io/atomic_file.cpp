@@ -10,6 +10,7 @@
 
 #include <evermap/files/file_error.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
+#include <evermap/io/detail/descriptor.hpp>
 
 namespace evermap {
 namespace {
@@ -56,10 +57,7 @@ void sync_folder_of(const std::filesystem::path& file) {
     if (errno == EACCES) return;  // a folder one may write but not list cannot be synced by any means
     fail(errno);
   }
-  int error = 0;
-  do {
-    error = ::fsync(folder) == 0 ? 0 : errno;
-  } while (error == EINTR);
+  const int error = sync_to_device(folder);
   ::close(folder);
   // Some network file systems know no sync of folders and say so with EINVAL.
   if (error != 0 && error != EINVAL) fail(error);
@@ -115,11 +113,8 @@ void AtomicFile::write(const void* data, std::size_t size) {
 
 void AtomicFile::commit() {
   flush();
-  int synced = 0;
-  do {
-    synced = ::fsync(descriptor_);
-  } while (synced != 0 && errno == EINTR);
-  if (synced != 0) fail(errno, "cannot be written to the device");
+  if (const int error = sync_to_device(descriptor_); error != 0)
+    fail(error, "cannot be written to the device");
   // The lock outlives the descriptor, whose closing must be seen to succeed, until the file has its name.
   const struct Lock {
     ~Lock() { ::close(descriptor); }
@@ -149,13 +144,7 @@ void AtomicFile::open_temporary(unsigned permissions) {
 }
 
 void AtomicFile::write_through(const char* data, std::size_t size) {
-  while (size > 0) {
-    const ssize_t written = ::write(descriptor_, data, size);
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail(errno, "cannot be written");
-    data += written;
-    size -= static_cast<std::size_t>(written);
-  }
+  if (const int error = write_all(descriptor_, {data, size}); error != 0) fail(error, "cannot be written");
 }
 
 void AtomicFile::flush() {

@@ -43,9 +43,11 @@ bool counts_before(std::string_view a, std::string_view b) {
   return a_whole < b_whole;  // 1 and 01
 }
 
+std::string stem_of(const std::filesystem::path& file) { return without_gzip(file).stem().string(); }
+
 /// Whether a name is a number with a fraction: a time, as 1305031102.175.
 bool is_time(const std::filesystem::path& file) {
-  const std::string stem = without_gzip(file).stem().string();
+  const std::string stem = stem_of(file);
   const std::string_view rest = stem;
   const std::size_t dot = rest.find('.');
   return dot != std::string_view::npos && dot > 0 && dot + 1 < rest.size() &&
@@ -55,8 +57,8 @@ bool is_time(const std::filesystem::path& file) {
 
 /// Fractions are compared as such: .25 comes before .5.
 bool times_before(const std::filesystem::path& a, const std::filesystem::path& b) {
-  const std::string a_name = without_gzip(a).stem().string();
-  const std::string b_name = without_gzip(b).stem().string();
+  const std::string a_name = stem_of(a);
+  const std::string b_name = stem_of(b);
   std::string_view a_rest = a_name;
   std::string_view b_rest = b_name;
   const std::string_view a_whole = take_number(a_rest);

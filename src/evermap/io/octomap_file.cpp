@@ -53,7 +53,11 @@ OctomapHeader read_octomap_header(const InputFile& file) {
 class OctomapReader {
  public:
   OctomapReader(const InputFile& file, const OctomapHeader& header)
-      : file_(file), header_(header), position_(header.data) {}
+      : file_(file),
+        header_(header),
+        is_coloured_(header.tree == "ColorOcTree"),
+        most_(greatest_expansion(file.bytes().size()) / sizeof(Eigen::Vector3d)),
+        position_(header.data) {}
 
   Scan read() {
     if (header_.size > 0) header_.is_binary ? read_binary(kRoot) : read_full(kRoot);
@@ -101,7 +105,7 @@ class OctomapReader {
   /// Its log-odds, and a bit for each child that follows.
   void read_full(const Node& node) {
     const double log_odds = take(Scalar::kFloat32);
-    for (int colour = 0; header_.tree == "ColorOcTree" && colour < 3; ++colour) take(Scalar::kUint8);
+    for (int colour = 0; is_coloured_ && colour < 3; ++colour) take(Scalar::kUint8);
     const auto children = static_cast<unsigned>(take(Scalar::kUint8));
     if (children == 0 && log_odds >= 0) add(node);
     for (unsigned child = 0; child < 8; ++child) {
@@ -115,10 +119,9 @@ class OctomapReader {
   }
 
   void add(const Node& node) {
-    const std::uint64_t most = greatest_expansion(file_.bytes().size()) / sizeof(Eigen::Vector3d);
     const std::uint64_t count = std::uint64_t{node.size} * node.size * node.size;
-    if (count > most - scan_.p_sensor.size())
-      file_.fail_at_byte(position_, "holds more than " + std::to_string(most) + " occupied voxels");
+    if (count > most_ - scan_.p_sensor.size())
+      file_.fail_at_byte(position_, "holds more than " + std::to_string(most_) + " occupied voxels");
     const auto center = [&](int axis, std::uint32_t step) {
       return (static_cast<double>(node.begin[axis] + step) - kMiddle + 0.5) * header_.resolution;
     };
@@ -132,6 +135,8 @@ class OctomapReader {
 
   const InputFile& file_;
   const OctomapHeader& header_;
+  bool is_coloured_;
+  std::uint64_t most_;    ///< voxels that there may be
   std::size_t position_;  ///< [bytes]
   Scan scan_;
 };

@@ -9,13 +9,14 @@
 #include <utility>
 
 #include <evermap/files/file_error.hpp>
+#include <evermap/io/detail/descriptor.hpp>
 #include <evermap/io/detail/pose_log.hpp>
 
 namespace evermap {
 namespace {
 
-[[noreturn]] void fail_to_log(const std::filesystem::path& path) {
-  throw FileError(path, "cannot be written: " + std::generic_category().message(errno));
+void check_log(const std::filesystem::path& path, int error) {
+  if (error != 0) throw FileError(path, "cannot be written: " + std::generic_category().message(error));
 }
 
 }  // namespace
@@ -37,7 +38,7 @@ PoseLog::PoseLog(std::filesystem::path poses) : poses_(std::move(poses)), path_(
   do {
     descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kAll);
   } while (descriptor_ < 0 && errno == EINTR);
-  if (descriptor_ < 0) fail_to_log(path_);
+  check_log(path_, descriptor_ < 0 ? errno : 0);
 }
 
 PoseLog::~PoseLog() {
@@ -48,19 +49,10 @@ PoseLog::~PoseLog() {
 void PoseLog::extend(const std::vector<StampedPose>& trajectory) {
   std::string rows;
   for (; written_ < trajectory.size(); ++written_) rows += tum_row(path_, trajectory[written_]);
-  for (std::size_t done = 0; done < rows.size();) {
-    const ssize_t size = ::write(descriptor_, rows.data() + done, rows.size() - done);
-    if (size < 0 && errno == EINTR) continue;
-    if (size < 0) fail_to_log(path_);
-    done += static_cast<std::size_t>(size);
-  }
+  check_log(path_, write_all(descriptor_, rows));
 }
 
-void PoseLog::sync() {
-  while (::fdatasync(descriptor_) != 0) {
-    if (errno != EINTR) fail_to_log(path_);
-  }
-}
+void PoseLog::sync() { check_log(path_, sync_to_device(descriptor_)); }
 
 void PoseLog::finish(const std::vector<StampedPose>& trajectory) {
   write_tum_poses(poses_, trajectory);

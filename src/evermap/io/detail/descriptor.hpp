@@ -1,0 +1,14 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string_view>
+
+namespace evermap {
+
+/// Writes all bytes to a file descriptor, or makes what was written to it last, whatever signals come
+/// meanwhile. Return 0, or the number of the error.
+int write_all(int descriptor, std::string_view bytes);
+int sync_to_device(int descriptor);
+
+}  // namespace evermap
