@@ -14,31 +14,21 @@ import subprocess
 import sys
 import tempfile
 
+from included import all_included
 
 LARGE = re.compile(r"Eigen/.*|filesystem|functional")
 
 
-def add_included(src, name, found):
-    """Adds all headers of ours, and all large ones, that the header includes, directly or not."""
-    for included in re.findall(r"^#include <([^>]+)>", (src / name).read_text(), re.MULTILINE):
-        if included in found:
-            continue
-        if LARGE.fullmatch(included):
-            found.add(included)
-        elif included.startswith("evermap/"):
-            found.add(included)
-            add_included(src, included, found)
-
-
 def compile_header(command, work, name):
     """What the compiler says of a source that includes the header twice, so that a missing `#pragma once` shows."""
-    source = work / (re.sub(r"\W", "_", name) + ".cpp")
+    source = work / f"{name.replace('/', '_')}.cpp"
     source.write_text(f"#include <{name}>\n#include <{name}>\n")
     result = subprocess.run([*command, "-fsyntax-only", str(source)], capture_output=True, text=True)
     return "" if result.returncode == 0 else f"{name} does not compile alone:\n{result.stderr}"
 
 
 def compile_group(command, work, large, names):
+    """The same of all headers that include the same large ones."""
     if large:
         precompiled = work / f"{names[0].replace('/', '_')}.pch"
         subprocess.run([*command, "-x", "c++-header", "-fpch-instantiate-templates", "-", "-o", str(precompiled)], check=True,
@@ -54,13 +44,11 @@ def main():
         work = pathlib.Path(folder)
         alike = {}
         for name in names:
-            included = set()
-            add_included(src, name, included)
-            alike.setdefault(frozenset(filter(LARGE.fullmatch, included)), []).append(name)
+            alike.setdefault(frozenset(filter(LARGE.fullmatch, all_included(src, name))), []).append(name)
         groups = pool.map(lambda group: compile_group(command, work, *group), alike.items())
-        said = [text for group in groups for text in group]
-    print("\n".join(filter(None, said)), f"{len(names)} headers", sep="")
-    sys.exit(1 if any(said) else 0)
+        said = "".join(text for group in groups for text in group)
+    print(f"{said}{len(names)} headers")
+    sys.exit(1 if said else 0)
 
 
 if __name__ == "__main__":

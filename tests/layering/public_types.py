@@ -9,23 +9,18 @@ import pathlib
 import re
 import sys
 
+from included import all_included
+
 MOST = 20
-
-
-def public_headers(src, header, seen):
-    if header in seen or "/detail/" in header:
-        return
-    seen.append(header)
-    for included in re.findall(r"^#include <(evermap/[^>]+)>", (src / header).read_text(), re.M):
-        public_headers(src, included, seen)
 
 
 def main():
     src = pathlib.Path(sys.argv[1])
-    headers = []
-    public_headers(src, "evermap/evermap.hpp", headers)
     types = []
-    for header in headers:  # at namespace scope nothing is indented
+    for header in all_included(src, "evermap/evermap.hpp", without="/detail/"):
+        if not header.startswith("evermap/"):
+            continue
+        # At namespace scope nothing is indented.
         types += re.findall(r"^(?:class|struct|enum class) (\w+)(?! *;)\b[^;]*$", (src / header).read_text(), re.M)
     print(len(types), "public types:", ", ".join(sorted(types)))
     return 0 if 5 < len(types) <= MOST else 1
