@@ -9,10 +9,13 @@
 #include <malloc.h>
 #include <new>
 #include <stdexcept>
+#include <system_error>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+
+#include <evermap/files/file_error.hpp>
 
 namespace evermap {
 namespace {
@@ -91,6 +94,19 @@ int run_command_line(int argc, char** argv, const std::string& program, const st
     complain(program + ": " + one_line(error.what()));
     return kFailed;
   }
+}
+
+void check_may_fill(const std::filesystem::path& folder, std::string_view program,
+                    const std::function<bool()>& is_ours) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(folder, error);
+  if (!std::filesystem::exists(status)) return;
+  if (!std::filesystem::is_directory(status)) throw FileError(folder, "is no folder; name another");
+  if (std::filesystem::is_empty(folder, error) && !error) return;
+  if (is_ours()) return;
+  throw FileError(
+      folder,
+      fmt::format("holds files that {} did not write; name another folder, or an empty one", program));
 }
 
 }  // namespace evermap

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 
@@ -26,5 +28,10 @@ class Interrupted : public std::exception {
 /// code: 0, 1 when the work failed, 2 when it was called wrongly, 128 + signal when it was interrupted.
 int run_command_line(int argc, char** argv, const std::string& program, const std::string& description,
                      const std::function<void(CLI::App&)>& add_options);
+
+/// Throws FileError when `program`, filling the folder anew, would take away what others have put there:
+/// unless there is no such folder yet, it is empty, or `is_ours` says that the program has filled it before.
+void check_may_fill(const std::filesystem::path& folder, std::string_view program,
+                    const std::function<bool()>& is_ours);
 
 }  // namespace evermap

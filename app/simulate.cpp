@@ -14,6 +14,7 @@
 #include <fmt/ranges.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include "command_line.hpp"
 #include "progress_bar.hpp"
 #include "verbs.hpp"
 #include <evermap/evaluation/observed_surface.hpp>
@@ -28,7 +29,7 @@ namespace evermap {
 namespace {
 
 /// The first line of scenario.yaml in a folder that this verb has written and may write again.
-constexpr std::string_view kMark = "# Written by evermap simulate";
+constexpr std::string_view kFirstLine = "# Written by evermap simulate";
 constexpr double kObservedReach = 0.1;  ///< [m] from a ray's end to the surface that it observed
 
 struct SimulateOptions {
@@ -66,19 +67,7 @@ bool is_ours(const std::filesystem::path& folder) {
   std::ifstream file(folder / "scenario.yaml");
   std::string line;
   std::getline(file, line);
-  return line.starts_with(kMark);
-}
-
-void check_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(folder, error);
-  if (!std::filesystem::exists(status)) return;
-  if (!std::filesystem::is_directory(status)) throw FileError(folder, "is no folder; name another");
-  if (std::filesystem::is_empty(folder, error) && !error) return;
-  if (!is_ours(folder)) {
-    throw FileError(folder,
-                    "holds files that evermap simulate did not write; name another folder, or an empty one");
-  }
+  return line.starts_with(kFirstLine);
 }
 
 /// Takes away what an earlier run has written, first of all what makes it look complete.
@@ -109,7 +98,7 @@ void prepare_folder(const SimulateOptions& options, const ScenarioDrive& drive) 
   }
   const Scenario& scenario = drive.scenario();
   write_text(options.folder / "scenario.yaml",
-             fmt::format("{} from {}: {} scans, seed {}\n{}", kMark, scenario.source, scenario.scans,
+             fmt::format("{} from {}: {} scans, seed {}\n{}", kFirstLine, scenario.source, scenario.scans,
                          scenario.seed, scenario.text));
 }
 
@@ -210,7 +199,7 @@ void write_drive(const SimulateOptions& options, const ScenarioDrive& drive,
 void run_simulate(const SimulateOptions& options) {
   const ScenarioDrive drive(scenario_of(options));
   const std::vector<std::size_t> truths = truth_indices(options, drive);
-  check_folder(options.folder);
+  check_may_fill(options.folder, "evermap simulate", [&] { return is_ours(options.folder); });
   prepare_folder(options, drive);
   write_survey(options.folder / "survey.ply", drive.survey(options.spacing));
   write_drive(options, drive, truths);

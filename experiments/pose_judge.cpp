@@ -14,7 +14,7 @@
 namespace evermap {
 namespace {
 
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Hessian = Eigen::Matrix<double, 6, 6>;
 
 /// The normal of what a ray meets, by two rays beside it; none at edges.
 std::optional<Eigen::Vector3d> normal_at(const RayCaster& world, const Eigen::Vector3d& origin,
@@ -46,7 +46,7 @@ PoseJudge::PoseJudge(const RayCaster& world, const std::vector<Eigen::Vector3d>&
   double squared_ranges = 0;
   for (const Eigen::Vector3d& p : points) squared_ranges += p.squaredNorm();
   lever_ = std::sqrt(squared_ranges / std::max(1.0, static_cast<double>(points.size())));
-  Matrix6 information = Matrix6::Zero();
+  Hessian information = Hessian::Zero();
   const std::size_t step = 1 + points.size() / kAsked;
   for (std::size_t i = 0; i < points.size(); i += step) {
     const Eigen::Vector3d from_sensor = T_map_sensor.rotation * points[i];
@@ -56,7 +56,7 @@ PoseJudge::PoseJudge(const RayCaster& world, const std::vector<Eigen::Vector3d>&
     row << *normal, from_sensor.cross(*normal) / lever_;
     information += row * row.transpose() / (kNoise * kNoise);
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(information);
+  const Eigen::SelfAdjointEigenSolver<Hessian> eigen(information);
   const auto known = (eigen.eigenvalues().array() > 1 / (kLeastAccuracy * kLeastAccuracy)).count();
   observable_ = eigen.eigenvectors().rightCols(known);
 }

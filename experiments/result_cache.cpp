@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
 
+#include "command_line.hpp"
 #include "experiments/machine.hpp"
 #include "experiments/result_file.hpp"
 #include <evermap/files/file_error.hpp>
@@ -30,22 +31,11 @@ std::uint64_t fingerprint(const std::string& text) {
   return bits;
 }
 
-void check_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(folder, error);
-  if (!std::filesystem::exists(status)) return;
-  if (!std::filesystem::is_directory(status)) throw FileError(folder, "is no folder; name another");
-  if (std::filesystem::exists(folder / kMark, error)) return;
-  if (std::filesystem::is_empty(folder, error) && !error) return;
-  throw FileError(folder,
-                  "holds files that evermap_experiments did not write; name another folder, or an empty one");
-}
-
 }  // namespace
 
 ResultCache::ResultCache(std::filesystem::path folder, bool any_build)
     : folder_(std::move(folder)), any_build_(any_build) {
-  check_folder(folder_);
+  check_may_fill(folder_, "evermap_experiments", [&] { return std::filesystem::exists(folder_ / kMark); });
   std::error_code error;
   std::filesystem::create_directories(folder_ / "units", error);
   if (error) throw FileError(folder_, "the folder cannot be made: " + error.message());

@@ -87,8 +87,8 @@ std::optional<std::string> decompress(std::string_view compression, std::string_
 }
 
 bool is_zstd(std::string_view bytes) {
-  constexpr std::string_view kMagic = "\x28\xB5\x2F\xFD";
-  return bytes.starts_with(kMagic);
+  constexpr std::string_view kZstdMagic = "\x28\xB5\x2F\xFD";
+  return bytes.starts_with(kZstdMagic);
 }
 
 std::optional<std::uint64_t> zstd_size(std::string_view bytes) {
