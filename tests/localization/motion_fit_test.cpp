@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstddef>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -42,11 +43,12 @@ class MotionFit : public ::testing::Test {
   double moved_off(const Pose& found) const { return difference(T_map_sensor_, found).head<3>().norm(); }
 
   /// Fits, from the motion that the scan began with, as often as it gains.
-  MovingPose fitted(const ScanMotion& motion) const {
+  MovingPose fitted(const ScanMotion& motion, const std::optional<Pose>& by_odometry = std::nullopt) const {
     const Scan scan = raw(motion);
-    const MotionPrior prior{{begin(motion), within(0.01, 0.001)}, within(0.05, kDegree)};
     const ScanMotion steady = ScanMotion::steady(motion.before);
     MovingPose found{steady, begin(motion) * steady.pose_at(0, kPeriod).inverse()};
+    MotionPrior prior{{begin(motion), within(0.01, 0.001)}, within(0.05, kDegree), std::nullopt};
+    if (by_odometry) prior.end = {*by_odometry, within(0.01, 0.1 * kDegree)};
     for (int i = 0; i < 4; ++i) {
       const Scan still = deskew(scan, found.motion, kPeriod);
       const auto better = fit_motion(map_, scan, still, found, prior, lidar_, parameters_);
@@ -82,6 +84,14 @@ TEST_F(MotionFit, LeavesASteadyMotionAlone) {
     const MovingPose found = fitted(motion);
     EXPECT_EQ(found.motion.bend, 0);
     EXPECT_EQ(found.motion.after, motion.after);
+  }
+}
+
+// A sixteenth of a scan hardly tells; odometry does.
+TEST_F(MotionFit, OdometryTellsATurnAtTheVeryEnd) {
+  for (const double turn : {-120, 120}) {
+    const ScanMotion motion{forward(3, 0), forward(3, turn * kDegree), 15.0 / 16};
+    EXPECT_LT(turned_off(fitted(motion, T_map_sensor_).T_map_sensor), 0.3) << turn;
   }
 }
 

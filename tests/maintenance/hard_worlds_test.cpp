@@ -20,21 +20,20 @@ Pose at(double x, double y, double z, double yaw = 0) {
   return {Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix(), {x, y, z}};
 }
 
-/// Four walls of 0.2 m, floor and ceiling around [-x, x] x [-y, y], shifted as a whole; a survey shows both
-/// faces of each.
-Scene room(double x, double y, const Eigen::Vector3d& shift) {
-  constexpr double kThick = 0.2;
+/// Four walls, floor and ceiling around [-x, x] x [-y, y], shifted as a whole; a survey shows both faces of
+/// each.
+Scene room(double x, double y, const Eigen::Vector3d& shift, double thickness = 0.2) {
   constexpr double kHeight = 2.6;
   Scene scene;
   const auto box = [&](int object, const Eigen::Vector3d& center, const Eigen::Vector3d& size) {
     add_box(scene, object, at(center.x() + shift.x(), center.y() + shift.y(), center.z() + shift.z()), size);
   };
-  const double out = kThick / 2;
+  const double out = thickness / 2;
   for (const double side : {-1.0, 1.0}) {
-    box(side > 0 ? 1 : 2, {0, side * (y + out), kHeight / 2}, {2 * x + 2 * kThick, kThick, kHeight});
-    box(side > 0 ? 3 : 4, {side * (x + out), 0, kHeight / 2}, {kThick, 2 * y, kHeight});
+    box(side > 0 ? 1 : 2, {0, side * (y + out), kHeight / 2}, {2 * x + 2 * thickness, thickness, kHeight});
+    box(side > 0 ? 3 : 4, {side * (x + out), 0, kHeight / 2}, {thickness, 2 * y, kHeight});
     box(side > 0 ? 5 : 6, {0, 0, kHeight / 2 + side * (kHeight / 2 + out)},
-        {2 * x + 2 * kThick, 2 * y + 2 * kThick, kThick});
+        {2 * x + 2 * thickness, 2 * y + 2 * thickness, thickness});
   }
   box(7, {-0.6 * x, y - 0.2, 0.5}, {1, 0.4, 1});
   box(8, {0.5 * x, -y + 0.2, 0.9}, {0.8, 0.4, 1.8});
@@ -97,6 +96,18 @@ TEST(HardWorlds, ARoomWhoseSurveyShowsBothFacesOfItsWalls) {
       EXPECT_GE(inside.believed, 8U) << edge << " " << shift.transpose();
       EXPECT_LT(inside.worst, 0.02) << edge << " " << shift.transpose();
     }
+  }
+}
+
+// Both faces of a wall lie in one leaf, those of the wall opposite in two.
+TEST(HardWorlds, ACorridorOfThinWallsInLargeLeaves) {
+  for (const double y : {0.0, 0.2, 0.4, 0.6}) {
+    const Scene scene = room(12, 1.6, {0, y, 0}, 0.15);
+    const auto truth = [&](double time) { return at(-8 + 1.5 * time, y, 1); };
+    MapMaintainer maintainer(test::survey_map(scene, 0.8, 0.05), {}, MapMode::kLocalization, truth(kPeriod));
+    const Outcome inside = run(maintainer, scene, test::small_lidar(), 10, truth, {}, true);
+    EXPECT_GE(inside.believed, 9U) << y;
+    EXPECT_LT(inside.worst, 0.05) << y;
   }
 }
 

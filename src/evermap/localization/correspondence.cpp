@@ -76,8 +76,9 @@ double thickness(const Leaf& leaf, const Eigen::Vector3d& normal) {
   return std::sqrt(std::max(0.0, normal.dot(leaf.covariance_matrix() * normal)));
 }
 
-/// Whether a thick leaf is a piece of a wall whose faces both lie in it: the leaves beside it are as thick,
-/// and in line with it. Where a wall meets the ground, or among leaves of trees, they are not.
+/// Whether a thick leaf is a piece of a wall whose faces both lie in it: leaves beside it, along each axis
+/// that has any, are as thick, and in line with it. Where a wall meets the ground, or among leaves of trees,
+/// they are not.
 bool is_wall(LeafFinder<const Octree>& finder, const VoxelGrid& grid, const Correspondence& match,
              double thick) {
   constexpr double kInLine = 0.3;  // times the thickness
@@ -86,20 +87,25 @@ bool is_wall(LeafFinder<const Octree>& finder, const VoxelGrid& grid, const Corr
   if (!voxel) return false;
   Eigen::Index across_wall = 0;
   match.normal.cwiseAbs().maxCoeff(&across_wall);
-  int beside = 0;
+  int alike = 0;
   for (int axis = 0; axis < 3; ++axis) {
     if (axis == across_wall) continue;
+    int beside_axis = 0;
+    int alike_axis = 0;
     for (const int step : {-1, 1}) {
       const Eigen::Vector3i there = *voxel + step * Eigen::Vector3i::Unit(axis);
       const Leaf* leaf = find(finder, there);
       if (leaf == nullptr || !leaf->occupied()) continue;
+      ++beside_axis;
       const double off = match.normal.dot(leaf->gaussian(grid.center(there)).mean - match.mean_leaf);
-      if (std::abs(off) > kInLine * thick) return false;
-      if (std::abs(thickness(*leaf, match.normal) - thick) > kInLine * thick) return false;
-      ++beside;
+      const bool is_alike = std::abs(off) <= kInLine * thick &&
+                            std::abs(thickness(*leaf, match.normal) - thick) <= kInLine * thick;
+      if (is_alike) ++alike_axis;
     }
+    if (beside_axis > 0 && alike_axis == 0) return false;
+    alike += alike_axis;
   }
-  return beside >= kLeast;
+  return alike >= kLeast;
 }
 
 /// The far and the near face of a wall may lie in one leaf, whose Gaussian then is as thick as the wall, and
@@ -109,12 +115,13 @@ bool is_wall(LeafFinder<const Octree>& finder, const VoxelGrid& grid, const Corr
 void choose_face(Correspondence& match, LeafFinder<const Octree>& finder, const VoxelGrid& grid,
                  const Leaf& leaf, const Gaussian& bundle, const Eigen::Vector3d& sensor_map) {
   constexpr double kThick = 0.125;  // of an edge: half of a wall's thickness, at least,
+  constexpr double kPlate = 0.04;   // [m] or this, where leaves are large,
   constexpr double kMost = 0.2;     // [m] and at most
   constexpr double kThicker = 3;    // times the bundle's
   constexpr double kUnsure = 0.25;  // of the faces' offset: one may have more points than the other
   const Eigen::Vector3d& n = match.normal;
   const double thick = thickness(leaf, n);
-  if (thick < kThick * grid.edge || thick > kMost) return;
+  if (thick < std::min(kThick * grid.edge, kPlate) || thick > kMost) return;
   const double face = n.dot(bundle.covariance * n);
   if (thick * thick < kThicker * kThicker * face || !is_wall(finder, grid, match, thick)) return;
   const double offset = std::sqrt(thick * thick - face);

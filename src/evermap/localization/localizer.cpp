@@ -213,7 +213,10 @@ void Localizer::undistort_again(const Octree& map, const Scan& raw, const Matrix
 void Localizer::refit(const Octree& map, const Scan& raw, const Matrix6& covariance,
                       const Localization& found, Hypothesis& place) const {
   constexpr int kTries = 3;
-  const MotionPrior prior{begin_of(found, map.grid().edge), covariance};
+  const bool is_steady = place.motion.bend == 0;  // only then the scan's middle tells its velocity
+  if (is_steady) undistort_again(map, raw, covariance, found, place);
+  MotionPrior prior{begin_of(found, map.grid().edge), covariance, std::nullopt};
+  if (has_odometry(found)) prior.end = {found.T_map_sensor_predicted, covariance};
   bool gains = true;
   for (int i = 0; gains && i < kTries && place.registration.converged(); ++i) {
     gains = false;

@@ -70,8 +70,9 @@ struct Deviation {
   double cost;  ///< twice the negative logarithm of its likelihood, but for a constant
 };
 
-/// The likeliest deviation with this bend.
-Deviation fit(const Parts& parts, double bend, const Twist& offset, const MotionPrior& prior) {
+/// The likeliest deviation with this bend, from the pose at which the parts' equations were found.
+Deviation fit(const Parts& parts, double bend, const Pose& T_map_sensor, const Twist& begin,
+              const MotionPrior& prior) {
   using Vector18 = Eigen::Matrix<double, 18, 1>;
   using Matrix18 = Eigen::Matrix<double, 18, 18>;
   const Matrix6 of_turn = within(0.5, 8 * kDegree);  // in 0.1 s, vehicles do not do more
@@ -80,15 +81,20 @@ Deviation fit(const Parts& parts, double bend, const Twist& offset, const Motion
   information.block<6, 6>(6, 6) = prior.drift.inverse();
   information.block<6, 6>(12, 12) = of_turn.inverse();
   Vector18 pull = Vector18::Zero();
-  pull.head<6>() = information.block<6, 6>(0, 0) * offset;
-  for (int part = 0; part < kParts; ++part) {
-    const double fraction = (part + 0.5) / kParts;
+  pull.head<6>() = information.block<6, 6>(0, 0) * begin;
+  const auto add = [&](double fraction, const Matrix6& hessian, const Twist& towards) {
     const Eigen::Vector3d weights(1, fraction, std::max(0.0, fraction - bend));
     for (int i = 0; i < 3; ++i) {
-      pull.segment<6>(6 * i) -= weights[i] * parts[part].gradient;
-      for (int j = 0; j < 3; ++j)
-        information.block<6, 6>(6 * i, 6 * j) += weights[i] * weights[j] * parts[part].hessian;
+      pull.segment<6>(6 * i) += weights[i] * towards;
+      for (int j = 0; j < 3; ++j) information.block<6, 6>(6 * i, 6 * j) += weights[i] * weights[j] * hessian;
     }
+  };
+  for (int part = 0; part < kParts; ++part) {
+    add((part + 0.5) / kParts, parts[part].hessian, -parts[part].gradient);
+  }
+  if (prior.end) {
+    const Matrix6 of_end = prior.end->covariance.inverse();
+    add(1, of_end, of_end * difference(T_map_sensor, prior.end->T_map_sensor));
   }
   const Vector18 x = information.ldlt().solve(pull);
   return {x.head<6>(), x.segment<6>(6), x.tail<6>(), bend, -x.dot(pull)};
@@ -112,16 +118,16 @@ std::vector<MovingPose> fit_motion(const Octree& map, const Scan& raw, const Sca
   for (NormalEquations& part : parts)
     part = as_far_as_believed(part, all.mean_inlier_error(), map.grid().edge);
   const Pose T_map_sensor_expected = end_of(prior.begin.T_map_sensor, assumed.motion, period);
-  const Twist offset = difference(assumed.T_map_sensor, T_map_sensor_expected);
-  const double least_shift = std::max(0.02, map.grid().edge / 10);  // [m] below which nothing is to be gained
+  const Twist begin = difference(assumed.T_map_sensor, T_map_sensor_expected);
+  const double least_shift = std::max(0.02, map.grid().edge / 20);  // [m] below which nothing is to be gained
   const double least_turn = std::max(0.15 * kDegree, least_shift / 10);
   const auto matters = [&](const Twist& twist) {
     return twist.head<3>().norm() > least_shift || twist.tail<3>().norm() > least_turn;
   };
-  const Deviation steady = fit(parts, 1, offset, prior);
+  const Deviation steady = fit(parts, 1, assumed.T_map_sensor, begin, prior);
   Deviation bent = steady;
   for (int i = 1; i < kParts; ++i) {
-    const Deviation next = fit(parts, static_cast<double>(i) / kParts, offset, prior);
+    const Deviation next = fit(parts, static_cast<double>(i) / kParts, assumed.T_map_sensor, begin, prior);
     if (next.cost < bent.cost) bent = next;
   }
   const auto moved_by = [&](const Deviation& deviation) {
@@ -131,8 +137,8 @@ std::vector<MovingPose> fit_motion(const Octree& map, const Scan& raw, const Sca
     const auto velocity = [&](double from, double to) {
       return Twist(log(T_map_then(from).inverse() * T_map_then(to)) / ((to - from) * period));
     };
-    const double bend = deviation.bend;
-    if (bend == 1) return MovingPose{ScanMotion::steady(velocity(0, 1)), T_map_then(1)};
+    const double bend = deviation.bend == 1 ? assumed.motion.bend : deviation.bend;
+    if (bend == 0) return MovingPose{ScanMotion::steady(velocity(0, 1)), T_map_then(1)};
     return MovingPose{{velocity(0, bend), velocity(bend, 1), bend}, T_map_then(1)};
   };
   std::vector<MovingPose> better;

@@ -131,7 +131,7 @@ class Localizer {
   /// Where the scan is if the sensor moved like this, from a guess of its pose.
   Hypothesis moving(const Octree& map, const Scan& raw, const ScanMotion& motion,
                     const PoseEstimate& guess) const;
-  /// While its motion is not known: deskews by how it moved since the last fix, and registers once more.
+  /// Deskews by how it moved since the middle of the last scan, and registers once more.
   void undistort_again(const Octree& map, const Scan& raw, const Matrix6& covariance,
                        const Localization& found, Hypothesis& place) const;
   /// Where the sensor did not move as assumed, deskews by how it moved, and registers once more.

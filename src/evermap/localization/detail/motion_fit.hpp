@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <evermap/localization/detail/registration.hpp>
@@ -15,10 +16,11 @@ struct MovingPose {
   Pose T_map_sensor;
 };
 
-/// Before a scan: where its sensor was when it began, and how it can move.
+/// Before a scan: where its sensor was when it began, how it can move, and where odometry says that it is.
 struct MotionPrior {
   PoseEstimate begin;  ///< where the scan before ended
   Matrix6 drift;       ///< covariance [m, rad] of what a scan's end may be off, for another velocity
+  std::optional<PoseEstimate> end;  ///< by odometry, which says nothing of the way there
 };
 
 /// Motions that explain a scan better than the `assumed` one, by which `deskewed` was made of `raw`, and with
