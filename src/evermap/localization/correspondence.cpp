@@ -138,14 +138,16 @@ void choose_face(Correspondence& match, LeafFinder<const Octree>& finder, const 
 /// face of a wall. Surveys show both.
 bool is_hidden(LeafFinder<const Octree>& finder, const VoxelGrid& grid, const Leaf& leaf,
                const Correspondence& match, const Eigen::Vector3d& sensor_map) {
-  constexpr int kReach = 2;          // voxels: as far as scans are drawn to the wrong face
+  constexpr int kReach = 2;          // voxels: as far as scans are drawn to the wrong face,
+  constexpr double kWall = 0.4;      // [m] or a wall's thickness, where leaves are small
   constexpr double kThin = 1.0 / 8;  // of an edge: what is thicker along the normal lies across it
   constexpr double kSeparate = 4;    // times both thicknesses: else it is one surface, noise cut in two
   const double own = thickness(leaf, match.normal);
   if (own > kThin * grid.edge) return false;
   const double side = match.normal.dot(sensor_map - match.mean_leaf) < 0 ? -1 : 1;
   const Eigen::Vector3d towards = side * match.normal;
-  for (int step = 1; step <= kReach; ++step) {
+  const int reach = std::max(kReach, static_cast<int>(std::ceil(kWall / grid.edge)));
+  for (int step = 1; step <= reach; ++step) {
     const auto voxel = grid.voxel(match.mean_leaf + step * grid.edge * towards);
     if (!voxel) return false;
     const Leaf* front = finder.find(VoxelKey::from_voxel(*voxel));
