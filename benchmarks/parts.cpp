@@ -90,14 +90,15 @@ void impact(benchmark::State& state) {
   const BundleGrid bundles = bundles_of(at).front();
   const UpdateParameters parameters;
   const std::vector<Encounter> encounters = meetings_of(at.octree, bundles);
-  const double error = alignment_error(at.octree, bundles);
+  const AlignmentError error = alignment_error(at.octree, bundles);
   for (auto _ : state) {
     double sum = 0;
     for (const Encounter& met : encounters) {
       const Ray ray{bundles.origin_map, met.target.end_map};
-      sum += evermap::impact(at.octree.gaussian(met.key, *met.leaf), at.octree.grid().edge, ray,
-                             bundles.bundles()[met.bundle].points.covariance, met.target.until, error,
-                             parameters);
+      const Gaussian leaf = at.octree.gaussian(met.key, *met.leaf);
+      sum +=
+          evermap::impact(leaf, at.octree.grid().edge, ray, bundles.bundles()[met.bundle].points.covariance,
+                          met.target.until, error.at((leaf.mean - ray.origin).norm()), parameters);
     }
     benchmark::DoNotOptimize(sum);
   }

@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <support/naive_walk.hpp>
 #include <support/reference_update.hpp>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
@@ -82,6 +84,14 @@ std::vector<Bundle> condensed(const Scan& scan, const Pose& T, const VoxelGrid& 
   return bundles;
 }
 
+/// How far a scan is off: by its place [m], and by its direction [rad] the more the farther away.
+struct AlignmentError {
+  double position, direction;
+  double at(double range) const {
+    return std::sqrt(position * position + direction * direction * range * range);
+  }
+};
+
 /// Equation 3: the positive root of 2 A t^2 + (T - 2 B) t - 3 = 0, at most 1.
 double travel_time(const ReferenceLeaf& leaf, const Vector3d& o, const Bundle& bundle) {
   const Matrix3d P = leaf.covariance.inverse();
@@ -125,10 +135,17 @@ double approach_impact(const ReferenceLeaf& leaf, double edge, const Vector3d& o
   const Eigensystem eigen(leaf.covariance);
   const Vector3d n = eigen.eigenvectors().col(0);
   const bool flat = eigen.eigenvalues()[0] < 0.2 * eigen.eigenvalues()[1];
+  const bool crosses = flat && parameters.update.surface_crossing;
   const Vector3d u = (bundle.mean - o).normalized();
   const Matrix3d S = extent(leaf, eigen, flat, edge, parameters.update);
   const Matrix3d P = S.inverse();
-  const double along = std::max(0.0, u.dot(P * (leaf.mean - o)) / u.dot(P * u));
+  double along = std::max(0.0, u.dot(P * (leaf.mean - o)) / u.dot(P * u));
+  if (crosses) {
+    const double side_o = n.dot(o - leaf.mean), side_end = n.dot(bundle.mean - leaf.mean);
+    const double beyond = 3 * std::sqrt(eigen.eigenvalues()[0]) + parameters.update.surface_tolerance * error;
+    if ((side_o < 0) == (side_end < 0) || std::abs(side_end) <= beyond) return 0;
+    along = -side_o / n.dot(u);
+  }
   if (along > free) return 0;
   double squared = squared_distance(o + along * u, leaf.mean, S);
   if (flat)
@@ -136,14 +153,7 @@ double approach_impact(const ReferenceLeaf& leaf, double edge, const Vector3d& o
   const double likelihood = std::exp(-squared / 2);
   if (likelihood < parameters.update.least_impact) return 0;
   const double length = (bundle.mean - o).norm();
-  if (!(flat && parameters.update.surface_crossing) && length - along < parameters.update.hit_margin * error)
-    return 0;
-  if (!flat) return likelihood;
-  const double side_o = n.dot(o - leaf.mean), side_end = n.dot(bundle.mean - leaf.mean);
-  const bool through =
-      (side_o < 0) != (side_end < 0) && std::abs(side_end) > 3 * std::sqrt(eigen.eigenvalues()[0]) +
-                                                                 parameters.update.surface_tolerance * error;
-  if (parameters.update.surface_crossing && !through) return 0;
+  if (!crosses && length - along < parameters.update.hit_margin * error) return 0;
   return likelihood;
 }
 
@@ -154,7 +164,8 @@ bool is_hit(const std::vector<Bundle>& bundles, VoxelKey key) {
 using Evidence = std::map<VoxelKey, std::vector<Contradiction>>;
 
 Evidence gathered(const std::map<VoxelKey, ReferenceLeaf>& leaves, const std::vector<Bundle>& bundles,
-                  const VoxelGrid& grid, const Vector3d& o, double error, const Parameters& parameters) {
+                  const VoxelGrid& grid, const Vector3d& o, const AlignmentError& alignment,
+                  const Parameters& parameters) {
   Evidence evidence;
   std::set<VoxelKey> hit;
   for (const Bundle& bundle : bundles) hit.insert(bundle.key);
@@ -163,13 +174,14 @@ Evidence gathered(const std::map<VoxelKey, ReferenceLeaf>& leaves, const std::ve
     const Vector3d u = (bundle.mean - o) / length;
     const double sigma_along = std::sqrt(u.dot(bundle.covariance * u));
     const double free = length - (3 * parameters.lidar.range_sigma + 2 * sigma_along);
-    const double paper_free = std::min(free, length - parameters.update.hit_margin * error);
     for (const NaiveStep& step : naive_walk(grid, {o, bundle.mean})) {
       if (free <= 0 || step.entry * length > free) break;
       const VoxelKey key = VoxelKey::from_voxel(step.voxel);
       const auto leaf = leaves.find(key);
       if (leaf == leaves.end() || key == bundle.key) continue;
       if (!parameters.update.trim_leaves && hit.contains(key)) continue;
+      const double error = alignment.at((leaf->second.mean - o).norm());
+      const double paper_free = std::min(free, length - parameters.update.hit_margin * error);
       const double impact = parameters.update.impact == ImpactRule::kClosestApproach
                                 ? approach_impact(leaf->second, grid.edge, o, bundle, free, error, parameters)
                                 : paper_impact(leaf->second, o, bundle, paper_free, parameters.update.impact);
@@ -188,23 +200,45 @@ double combined(const std::vector<Contradiction>& contradictions, Combination co
   return combination == Combination::kMaximum ? maximum : 1 - spared;
 }
 
+bool is_flat(const Eigensystem& eigen) { return eigen.eigenvalues()[0] < 0.2 * eigen.eigenvalues()[1]; }
+
 bool repeats(double a, double b, double scale) { return std::abs(a - b) < 1e-6 * scale; }
 
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
 /// The scan's distance from the map: 1.4826 times the median distance of bundles of 3 and more points to the
-/// planes of the occupied leaves of 10 and more points that they hit; 1 cm when fewer than 50 tell.
-double alignment_error(const std::map<VoxelKey, ReferenceLeaf>& leaves, const std::vector<Bundle>& bundles) {
-  std::vector<double> offsets;
+/// planes of the occupied leaves of 10 and more points that they hit; 1 cm when fewer than 50 tell. Where 100
+/// tell, the nearer and the farther half each have one, at their median ranges, and what grows with the
+/// square of the range is the error of the direction.
+AlignmentError alignment_error(const std::map<VoxelKey, ReferenceLeaf>& leaves,
+                               const std::vector<Bundle>& bundles, const Vector3d& o) {
+  std::vector<std::pair<double, double>> offsets;  // range, distance
   for (const Bundle& bundle : bundles) {
     const auto leaf = leaves.find(bundle.key);
     if (leaf == leaves.end() || leaf->second.log_odds <= 0) continue;
     if (leaf->second.count < 10 || bundle.count < 3) continue;
     const Eigensystem eigen(leaf->second.covariance);
     if (eigen.eigenvalues()[0] >= 0.2 * eigen.eigenvalues()[1]) continue;
-    offsets.push_back(std::abs(eigen.eigenvectors().col(0).dot(bundle.mean - leaf->second.mean)));
+    offsets.emplace_back((bundle.mean - o).norm(),
+                         std::abs(eigen.eigenvectors().col(0).dot(bundle.mean - leaf->second.mean)));
   }
-  if (offsets.size() < 50) return 0.01;
+  if (offsets.size() < 50) return {0.01, 0};
   std::sort(offsets.begin(), offsets.end());
-  return 1.4826 * offsets[offsets.size() / 2];
+  std::array<std::vector<double>, 2> ranges, distances;
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    const std::size_t half = offsets.size() >= 100 && i >= offsets.size() / 2 ? 1 : 0;
+    ranges[half].push_back(offsets[i].first);
+    distances[half].push_back(offsets[i].second);
+  }
+  const double near = 1.4826 * median(distances[0]);
+  if (offsets.size() < 100) return {near, 0};
+  const double far = 1.4826 * median(distances[1]);
+  const double r = median(ranges[0]), R = median(ranges[1]);
+  const double slope = std::max(0.0, far * far - near * near) / std::max(1e-6, R * R - r * r);
+  return {std::sqrt(std::max(0.0, near * near - slope * r * r)), std::sqrt(slope)};
 }
 
 /// Whether a neighbouring hit may be the leaf's own surface.
@@ -225,28 +259,63 @@ bool is_spared(VoxelKey key, const ReferenceLeaf& leaf, const std::vector<Bundle
          });
 }
 
-/// Whether the ray goes, within an edge of the leaf, through the plane in which it and the occupied ones
-/// around it lie together, if they do: fewer than 4, or such as fill their voxels, have none.
-bool goes_through_surroundings(const std::map<VoxelKey, ReferenceLeaf>& leaves, VoxelKey key, double edge,
-                               const Vector3d& o, const Vector3d& end) {
+std::vector<ReferenceLeaf> occupied_around(const std::map<VoxelKey, ReferenceLeaf>& leaves, VoxelKey key,
+                                           bool with_itself) {
   std::vector<ReferenceLeaf> around;
-  for (const auto& [near, leaf] : leaves) {
-    if (leaf.log_odds > 0 && (near.voxel() - key.voxel()).cwiseAbs().maxCoeff() <= 1) around.push_back(leaf);
-  }
-  if (around.size() < 4) return true;
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x) {
+        const auto found = leaves.find(VoxelKey::from_voxel(key.voxel() + Vector3i(x, y, z)));
+        const bool is_itself = x == 0 && y == 0 && z == 0;
+        if (found == leaves.end() || found->second.log_odds <= 0 || (is_itself && !with_itself)) continue;
+        around.push_back(found->second);
+      }
+  return around;
+}
+
+/// The axes in which a leaf and the occupied ones around it lie together.
+Eigensystem surroundings(const std::vector<ReferenceLeaf>& around) {
   const auto n = static_cast<double>(around.size());
   Vector3d mean = Vector3d::Zero();
   for (const ReferenceLeaf& leaf : around) mean += leaf.mean / n;
   Matrix3d S = Matrix3d::Zero();
   for (const ReferenceLeaf& leaf : around)
     S += (leaf.covariance + (leaf.mean - mean) * (leaf.mean - mean).transpose()) / n;
-  const Eigensystem eigen(S);
-  if (eigen.eigenvalues()[0] >= 0.2 * eigen.eigenvalues()[1]) return true;
-  const Vector3d normal = eigen.eigenvectors().col(0);
+  return Eigensystem(S);
+}
+
+/// Whether the ray goes, within an edge of the leaf, through the plane in which it and the occupied ones
+/// around it lie together, if they do: fewer than 4, or such as fill their voxels, have none. If they do not,
+/// and those that are flat make a corner in the leaf, whether the ray goes through one of their planes there
+/// and ends beyond.
+bool goes_through_surroundings(const std::map<VoxelKey, ReferenceLeaf>& leaves, VoxelKey key, double edge,
+                               const Vector3d& o, const Vector3d& end, double tolerance) {
   const Vector3d& middle = leaves.at(key).mean;
-  const double side_o = normal.dot(o - middle), side_end = normal.dot(end - middle);
-  const Vector3d crossing = o + side_o / (side_o - side_end) * (end - o);
-  return (side_o < 0) != (side_end < 0) && (crossing - middle).norm() < edge;
+  const auto goes_through = [&](const Vector3d& normal, const Vector3d& on_plane) {
+    const double side_o = normal.dot(o - on_plane), side_end = normal.dot(end - on_plane);
+    const Vector3d crossing = o + side_o / (side_o - side_end) * (end - o);
+    return (side_o < 0) != (side_end < 0) && (crossing - on_plane).norm() < edge;
+  };
+  const std::vector<ReferenceLeaf> around = occupied_around(leaves, key, true);
+  if (around.size() >= 4) {
+    const Eigensystem eigen = surroundings(around);
+    if (is_flat(eigen)) return goes_through(eigen.eigenvectors().col(0), middle);
+  }
+  std::vector<Vector3d> normals;
+  bool is_corner = false, is_through = false;
+  for (const ReferenceLeaf& near : occupied_around(leaves, key, false)) {
+    const Eigensystem eigen(near.covariance);
+    const Vector3d normal = eigen.eigenvectors().col(0);
+    const double apart = normal.dot(middle - near.mean);
+    if (!is_flat(eigen) || std::abs(apart) > edge / 2) continue;
+    normals.push_back(normal);
+    if (std::abs(normal.dot(normals.front())) < 0.7) is_corner = true;
+    const double beyond = std::abs(normal.dot(end - near.mean));
+    if (beyond > 3 * std::sqrt(eigen.eigenvalues()[0]) + tolerance &&
+        goes_through(normal, middle - apart * normal))
+      is_through = true;
+  }
+  return !is_corner || is_through;
 }
 
 /// Equation 6. Returns false when the outcome hangs on undetermined axes or on rounding.
@@ -308,38 +377,85 @@ void keep_settled(ReferenceLeaf& leaf, const ReferenceLeaf& old, const Bundle& b
   leaf.covariance = axes * shape * axes.transpose();
 }
 
-/// Each leaf that went takes from the flat ones around it that were not hit and before which it did not
-/// stand.
-void let_go_together(std::map<VoxelKey, ReferenceLeaf>& leaves, std::vector<VoxelKey> gone,
-                     const std::vector<Bundle>& bundles, const VoxelGrid& grid, const Vector3d& o,
-                     const UpdateParameters& parameters) {
-  const auto around = [&](VoxelKey center) {
+/// Removes the regions of surface beside what went that nothing holds, and those beside them, and so on.
+void remove_regions(std::map<VoxelKey, ReferenceLeaf>& leaves, std::vector<VoxelKey> went,
+                    const std::vector<Bundle>& bundles, const VoxelGrid& grid, const Vector3d& o,
+                    const UpdateParameters& parameters) {
+  struct Surface {
+    Vector3d mean, normal;
+    bool flat;
+  };
+  const auto around = [](VoxelKey center) {
     std::vector<VoxelKey> keys;
-    for (int z = -1; z <= 1; ++z)
-      for (int y = -1; y <= 1; ++y)
-        for (int x = -1; x <= 1; ++x) {
-          const auto found = leaves.find(VoxelKey::from_voxel(center.voxel() + Vector3i(x, y, z)));
-          if (found != leaves.end() && found->second.log_odds > 0) keys.push_back(found->first);
-        }
+    for (int i = 0; i < 27; ++i)
+      if (i != 13)
+        keys.push_back(
+            VoxelKey::from_voxel(center.voxel() + Vector3i(i % 3, i / 3 % 3, i / 9) - Vector3i::Ones()));
     return keys;
   };
-  while (!gone.empty()) {
-    const VoxelKey went = gone.back();
-    gone.pop_back();
-    for (const VoxelKey key : around(went)) {
-      if (is_hit(bundles, key)) continue;
-      ReferenceLeaf& leaf = leaves.at(key);
-      const Eigensystem eigen(leaf.covariance);
-      if (eigen.eigenvalues()[0] >= 0.2 * eigen.eigenvalues()[1]) continue;
-      const Vector3d n = eigen.eigenvectors().col(0);
-      const double towards_sensor = n.dot(o - leaf.mean) > 0 ? 1 : -1;
-      if (towards_sensor * n.dot(grid.center(went) - leaf.mean) > grid.edge / 2) continue;
-      const auto left = static_cast<double>(around(key).size());
-      leaf.log_odds = rounded(leaf.log_odds - rounded(parameters.cohesion / left * parameters.miss));
-      if (leaf.log_odds > 0) continue;
-      leaves.erase(key);
-      gone.push_back(key);
-    }
+  const auto occupied = [&](VoxelKey key) {
+    const auto found = leaves.find(key);
+    return found != leaves.end() && found->second.log_odds > 0;
+  };
+  const auto surface_at = [&](VoxelKey key) -> Surface {
+    const ReferenceLeaf& leaf = leaves.at(key);
+    const Eigensystem own(leaf.covariance);
+    if (is_flat(own) || is_hit(bundles, key)) return {leaf.mean, own.eigenvectors().col(0), is_flat(own)};
+    const std::vector<ReferenceLeaf> near = occupied_around(leaves, key, true);
+    if (near.size() < 4) return {leaf.mean, Vector3d::Zero(), false};
+    const Eigensystem joint = surroundings(near);
+    return {leaf.mean, joint.eigenvectors().col(0), is_flat(joint)};
+  };
+  const auto before = [&](const Surface& s, const Vector3d& p) {
+    const double side = s.normal.dot(p - s.mean);
+    return !s.flat || (s.normal.dot(o - s.mean) > 0 ? side : -side) > grid.edge / 2;
+  };
+  const auto coherent = [&](const Surface& a, const Surface& b) {
+    const Vector3d apart = b.mean - a.mean;
+    return a.flat && b.flat && std::abs(a.normal.dot(b.normal)) >= 0.85 &&
+           std::abs(a.normal.dot(apart)) <= grid.edge / 2 && std::abs(b.normal.dot(apart)) <= grid.edge / 2;
+  };
+  std::set<VoxelKey> gone;
+  while (!went.empty()) {
+    gone.insert(went.begin(), went.end());
+    std::map<VoxelKey, Surface> surfaces;
+    for (const auto& [key, leaf] : leaves)
+      if (leaf.log_odds > 0) surfaces.emplace(key, surface_at(key));
+    std::set<VoxelKey> going, done;
+    for (const VoxelKey from : went)
+      for (const VoxelKey start : around(from)) {
+        if (!occupied(start) || is_hit(bundles, start) || done.contains(start)) continue;
+        if (before(surfaces.at(start), grid.center(from))) continue;
+        std::set<VoxelKey> region{start}, lost, held, rim, missing;
+        std::vector<VoxelKey> open{start};
+        while (!open.empty()) {
+          const VoxelKey key = open.back();
+          open.pop_back();
+          const Surface& own = surfaces.at(key);
+          int within = 0;
+          for (const VoxelKey near : around(key)) {
+            if (!occupied(near)) {
+              if (!gone.contains(near) || before(own, grid.center(near))) continue;
+              lost.insert(key);
+              missing.insert(near);
+            } else if (!is_hit(bundles, near) && coherent(own, surfaces.at(near))) {
+              ++within;
+              if (region.insert(near).second) open.push_back(near);
+            } else if (is_hit(bundles, near) || leaves.at(near).log_odds > rounded(parameters.max_log_odds)) {
+              const Surface& other = surfaces.at(near);
+              if (!other.flat || !before(other, own.mean)) held.insert(key);
+            }
+          }
+          if (within < 7) rim.insert(key);
+        }
+        done.insert(region.begin(), region.end());
+        const auto count = [](const std::set<VoxelKey>& keys) { return static_cast<double>(keys.size()); };
+        if (region.size() <= 1000 && held.size() <= 60 && missing.size() >= 4 &&
+            count(lost) >= parameters.rim_gone * count(rim) && count(held) <= count(lost) / 4)
+          going.insert(region.begin(), region.end());
+      }
+    for (const VoxelKey key : going) leaves.erase(key);
+    went.assign(going.begin(), going.end());
   }
 }
 
@@ -387,20 +503,23 @@ void ReferenceUpdate::update(const Scan& scan, const Pose& T_map_sensor, const P
   const Vector3d o = T_map_sensor.translation;
   const auto bundles = condensed(scan, T_map_sensor, grid_, parameters);
   const double s0 = thickness(grid_, parameters);
-  const double error = alignment_error(leaves, bundles);
-  const double tolerance = parameters.update.surface_tolerance * error;
+  const AlignmentError error = alignment_error(leaves, bundles, o);
+  const auto tolerance_at = [&](VoxelKey key) {
+    return parameters.update.surface_tolerance * error.at((leaves.at(key).mean - o).norm());
+  };
   Evidence evidence = gathered(leaves, bundles, grid_, o, error, parameters);
   for (auto& [key, contradictions] : evidence) {
     const Eigensystem own(leaves.at(key).covariance);
     const bool flat = own.eigenvalues()[0] < 0.2 * own.eigenvalues()[1];
     if (flat || !parameters.update.surface_crossing) continue;
     for (Contradiction& c : contradictions)
-      if (!goes_through_surroundings(leaves, key, grid_.edge, o, c.bundle->mean)) c.impact = 0;
+      if (!goes_through_surroundings(leaves, key, grid_.edge, o, c.bundle->mean, tolerance_at(key)))
+        c.impact = 0;
   }
   std::vector<VoxelKey> gone;
   for (const auto& [key, contradictions] : evidence) {
     ReferenceLeaf& leaf = leaves.at(key);
-    const bool spared = is_spared(key, leaf, bundles, parameters.update.spare_reobserved, tolerance);
+    const bool spared = is_spared(key, leaf, bundles, parameters.update.spare_reobserved, tolerance_at(key));
     for (const Contradiction& c : contradictions) {
       if (!parameters.update.trim_leaves) break;
       if (!subtract_sigma_points(leaf, o, *c.bundle)) ambiguous.insert(key);
@@ -418,10 +537,10 @@ void ReferenceUpdate::update(const Scan& scan, const Pose& T_map_sensor, const P
     if (goes && was_occupied) gone.push_back(key);
     if (goes) leaves.erase(key);
   }
-  if (parameters.update.cohesion > 0) let_go_together(leaves, gone, bundles, grid_, o, parameters.update);
+  if (parameters.update.rim_gone > 0) remove_regions(leaves, gone, bundles, grid_, o, parameters.update);
   for (const Bundle& bundle : bundles)
-    confirm(leaves, bundle, grid_, parameters, parameters.update.confirmations, error,
-            parameters.update.settled);
+    confirm(leaves, bundle, grid_, parameters, parameters.update.confirmations,
+            error.at((bundle.mean - o).norm()), parameters.update.settled);
 }
 
 }  // namespace evermap::test

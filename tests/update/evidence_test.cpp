@@ -37,7 +37,8 @@ TEST(AlignmentError, IsTheOffsetOfTheScanFromTheMap) {
   Octree octree(VoxelGrid{kEdge});
   add(octree, condense(ground(10, 2.25, 0.002, 50, random), {}, octree.grid(), {}), {});
   for (const double offset : {0.03, -0.08, 0.15}) {
-    const double found = alignment_error(octree, seen(octree, ground(10, 2.25 + offset, 0.002, 20, random)));
+    const Scan off = ground(10, 2.25 + offset, 0.002, 20, random);
+    const double found = alignment_error(octree, seen(octree, off)).at(8);
     EXPECT_NEAR(found, 1.4826 * std::abs(offset), 0.002);
   }
   // Normally distributed offsets: their standard deviation.
@@ -47,20 +48,32 @@ TEST(AlignmentError, IsTheOffsetOfTheScanFromTheMap) {
     for (int k = 0; k < 4; ++k)
       wavy.p_sensor.emplace_back(corner + Vector3d(0.2 + 0.1 * (k % 2), 0.2 + 0.1 * (k / 2), 0));
   }
-  EXPECT_NEAR(alignment_error(octree, seen(octree, wavy)), 0.04, 0.004);
+  EXPECT_NEAR(alignment_error(octree, seen(octree, wavy)).at(8), 0.04, 0.004);
+}
+
+TEST(AlignmentError, OfADirectionGrowsWithTheRange) {
+  Random random(3);
+  Octree octree(VoxelGrid{kEdge});
+  add(octree, condense(ground(10, 2.25, 0.002, 50, random), {}, octree.grid(), {}), {});
+  const Pose turned{Eigen::AngleAxisd(0.01, Vector3d::UnitY()).toRotationMatrix(), Vector3d::Zero()};
+  const Scan scan = ground(10, 2.25, 0.002, 20, random);
+  const AlignmentError found = alignment_error(octree, condense(scan, turned, octree.grid(), {}));
+  EXPECT_LT(found.position, 0.03);
+  EXPECT_GT(found.at(16), 1.5 * found.at(8));
 }
 
 TEST(AlignmentError, ModerateWhereTooLittleIsFlat) {
   Random random(2);
   Octree octree(VoxelGrid{kEdge});
-  EXPECT_EQ(alignment_error(octree, seen(octree, {})), 0.01);
+  EXPECT_EQ(alignment_error(octree, seen(octree, {})).at(20), 0.01);
   add(octree, condense(ground(10, 2.25, 0.002, 50, random), {}, octree.grid(), {}), {});
-  EXPECT_EQ(alignment_error(octree, seen(octree, ground(1, 2.35, 0.002, 20, random))), 0.01);  // 16 voxels
+  EXPECT_EQ(alignment_error(octree, seen(octree, ground(1, 2.35, 0.002, 20, random))).at(20),
+            0.01);  // 16 voxels
   // Too few points a bundle to know better than the noise.
   Scan sparse;
   for (int i = 0; i < 1600; ++i)
     sparse.p_sensor.emplace_back(kEdge * (i % 40 - 19.5), kEdge * (i / 40 - 19.5), 2.35);
-  EXPECT_EQ(alignment_error(octree, seen(octree, sparse)), 0.01);
+  EXPECT_EQ(alignment_error(octree, seen(octree, sparse)).at(20), 0.01);
 }
 
 /// A box's face 6 m ahead and rays through it to a wall at 12 m.

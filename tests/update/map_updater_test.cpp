@@ -47,6 +47,13 @@ Mode varied(const std::string& name, const Parameters& base, const std::function
   return mode;
 }
 
+/// Where surfaces have leaves enough to be regions.
+Mode at_fine_leaves(Mode mode) {
+  mode.edge = 0.2;
+  mode.points = 1900;
+  return mode;
+}
+
 using P = Parameters;
 
 /// The default mode, each of its rules switched, and without the guards, which hide what some rules do.
@@ -81,8 +88,8 @@ std::vector<Mode> default_modes() {
       varied("SureOfExtent", standard, [](P& p) { p.update.extent_prior = 0; }),
       varied("UnsureOfExtent", standard, [](P& p) { p.update.extent_prior = 8; }),
       varied("NoPatch", standard, [](P& p) { p.update.patch_radius = 0; }),
-      varied("NoCohesion", standard, [](P& p) { p.update.cohesion = 0; }),
-      varied("GreatCohesion", standard, [](P& p) { p.update.cohesion = 20; }),
+      at_fine_leaves(varied("NoRegions", standard, [](P& p) { p.update.rim_gone = 0; })),
+      at_fine_leaves(varied("RegionsGoEasily", standard, [](P& p) { p.update.rim_gone = 0.1; })),
       varied("NearOnly", standard, [](P& p) { p.lidar.min_range = 4, p.lidar.max_range = 15; }),
       varied("CoarseSensor", standard, [](P& p) { p.lidar.range_sigma = 0.05; }),
       {"Bare", bare, {}},

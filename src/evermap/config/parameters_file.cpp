@@ -46,7 +46,7 @@ template <class Update, class Visit>
 void for_each_update_field(Update& update, Visit&& visit) {
   auto& [impact, combination, spare_reobserved, surface_crossing, trim_leaves, least_impact, extent_prior,
          patch_radius, hit_margin, surface_tolerance, hit, miss, max_log_odds, long_term_hit,
-         long_term_max_log_odds, confirmations, max_count, settled, forgetting, cohesion, standstill] =
+         long_term_max_log_odds, confirmations, max_count, settled, forgetting, rim_gone, standstill] =
       update;
   visit("update.impact", impact, "", Limits{}, "how a ray's contradiction of a leaf is measured");
   visit("update.combination", combination, "", Limits{},
@@ -81,8 +81,8 @@ void for_each_update_field(Update& update, Visit&& visit) {
         "a known surface that a hit shows so near to where it was stays there; 0: never");
   visit("update.forgetting", forgetting, "", kFraction,
         "fraction of the remembered points that one full contradiction takes");
-  visit("update.cohesion", cohesion, "full contradictions", Limits{0, 100},
-        "shared by what is left of a flat leaf's neighbours when one of them goes");
+  visit("update.rim_gone", rim_gone, "", kFraction,
+        "fraction of a region's rim beside leaves that went, with which the region goes; 0: never");
   visit("update.standstill", standstill, "m", Limits{0, 100},
         "a sensor that moved less sees the same again; 0: never");
 }

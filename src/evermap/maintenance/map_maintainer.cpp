@@ -204,7 +204,7 @@ class MapMaintainer::Loop {
   LeafChanges apply_evidence(const BundleGrid& bundles, const Evidence& evidence, const ScanResult& result,
                              Rollback* rollback = nullptr) {
     return apply(map_, bundles, evidence, parameters_.update, viewpoint_.view_weight(result.T_map_sensor),
-                 rollback);
+                 rollback, &gone_);
   }
 
   /// Nobody reads the map while it changes.
@@ -232,6 +232,7 @@ class MapMaintainer::Loop {
   std::optional<First> first_;
   Viewpoint viewpoint_;
   Rollback rollback_;
+  GoneLeaves gone_;
 };
 
 MapMaintainer::MapMaintainer(Octree map, const Parameters& parameters, MapMode mode,

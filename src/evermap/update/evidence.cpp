@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include <Eigen/LU>
@@ -11,6 +12,7 @@
 #include <evermap/update/detail/encounter.hpp>
 #include <evermap/update/detail/evidence.hpp>
 #include <evermap/update/detail/impact.hpp>
+#include <evermap/update/detail/surroundings.hpp>
 
 namespace evermap {
 namespace {
@@ -19,14 +21,16 @@ constexpr std::size_t kItemsPerTask = 32;  ///< bricks or leaves
 
 /// Who contradicts the leaves of these bricks, sorted by leaf.
 std::vector<Contradiction> gather(const Octree& octree, const BundleGrid& bundles, const RayFan& fan,
-                                  std::span<const PlacedBrick> bricks, double error,
+                                  std::span<const PlacedBrick> bricks, const AlignmentError& error,
                                   const UpdateParameters& parameters) {
   std::vector<Contradiction> found;
   for (const Encounter& encounter : find_encounters(bundles, fan, bricks, parameters)) {
     const RayBundle& bundle = bundles.bundles()[encounter.bundle];
     const Ray ray{bundles.origin_map, encounter.target.end_map};
-    const double value = impact(octree.gaussian(encounter.key, *encounter.leaf), octree.grid().edge, ray,
-                                bundle.points.covariance, encounter.target.until, error, parameters);
+    const Gaussian leaf = octree.gaussian(encounter.key, *encounter.leaf);
+    const double error_there = error.at((leaf.mean - ray.origin).norm());
+    const double value = impact(leaf, octree.grid().edge, ray, bundle.points.covariance,
+                                encounter.target.until, error_there, parameters);
     if (value <= 0 || encounter.key == bundle.key) continue;
     found.push_back({encounter.key, encounter.bundle, static_cast<float>(value)});
   }
@@ -38,7 +42,8 @@ std::vector<Contradiction> gather(const Octree& octree, const BundleGrid& bundle
 
 /// All contradictions, sorted by leaf. Chunks have a fixed size and are joined in order, whoever worked on
 /// them.
-std::vector<Contradiction> find_contradictions(const Octree& octree, const BundleGrid& bundles, double error,
+std::vector<Contradiction> find_contradictions(const Octree& octree, const BundleGrid& bundles,
+                                               const AlignmentError& error,
                                                const UpdateParameters& parameters) {
   const RayFan fan(octree.grid(), bundles.origin_map, looked_at(bundles));
   const std::vector<PlacedBrick> bricks = octree.bricks_in(fan.voxels());
@@ -83,19 +88,6 @@ bool is_reobserved(VoxelKey key, const Gaussian& leaf, const Plane& plane, const
   });
 }
 
-/// The plane in which a leaf and those around it lie together.
-Plane plane_around(const Octree& octree, VoxelKey key) {
-  constexpr int kLeast = 4;  // leaves; fewer lie in a plane anyhow
-  Gaussian around;
-  for_each_in_neighbourhood(key, [&](VoxelKey near) {
-    const Leaf* leaf = octree.find(near);
-    if (leaf == nullptr || !leaf->occupied()) return;
-    const Gaussian surface = octree.gaussian(near, *leaf);
-    around = merge(around, {surface.mean, surface.covariance, 1});  // each leaf as much as another
-  });
-  return around.count < kLeast ? Plane{} : plane_of(around);
-}
-
 /// Whether the ray goes through the plane within `reach` [m] of this point on it.
 bool goes_through(const Plane& plane, const Eigen::Vector3d& on_plane, double reach, const Ray& ray) {
   const double origin_side = plane.normal.dot(ray.origin - on_plane);
@@ -105,46 +97,91 @@ bool goes_through(const Plane& plane, const Eigen::Vector3d& on_plane, double re
   return (ray.origin + fraction * (ray.end - ray.origin) - on_plane).norm() < reach;
 }
 
-/// Few points, or both faces of a slab, make no plane by themselves: rays along a ceiling that pass them by
-/// would tear it. Such a leaf lies in the plane of its surroundings, if they have one, and contradictions by
-/// rays that do not go through that one at the leaf are taken back.
+/// Few points, or both faces of a slab, make no plane by themselves, and in a corner two planes meet: rays
+/// along a ceiling, or past the foot of a wall, would tear such a leaf. It lies in the plane of its
+/// surroundings or in those that meet in it, if there are any, and contradictions by rays that go through
+/// none of them at the leaf are taken back. In a corner, a ray must end beyond the plane by `tolerance` [m]
+/// at the least: many end on one of its surfaces.
 void heed_surroundings(const Octree& octree, VoxelKey key, const Gaussian& leaf, const BundleGrid& bundles,
-                       std::span<Contradiction> contradictions) {
-  const Plane plane = plane_around(octree, key);
-  if (!plane.flat) return;
+                       double tolerance, std::span<Contradiction> contradictions) {
+  const double reach = octree.grid().edge;
+  const Plane around = plane_around(octree, key);
+  const std::vector<PlacedPlane> corner =
+      around.flat ? std::vector<PlacedPlane>{} : corner_around(octree, key, leaf);
+  if (!around.flat && corner.empty()) return;
   for (Contradiction& c : contradictions) {
     const Ray ray{bundles.origin_map, bundles.bundles()[c.bundle].points.mean};
-    if (!goes_through(plane, leaf.mean, octree.grid().edge, ray)) c.impact = 0;
+    const auto ends_beyond_and_goes_through = [&](const PlacedPlane& side) {
+      const double beyond = std::abs(side.plane.normal.dot(ray.end - side.on_plane));
+      return beyond > 3 * side.plane.sigma + tolerance && goes_through(side.plane, side.on_plane, reach, ray);
+    };
+    const bool is_through = around.flat
+                                ? goes_through(around, leaf.mean, reach, ray)
+                                : std::any_of(corner.begin(), corner.end(), ends_beyond_and_goes_through);
+    if (!is_through) c.impact = 0;
   }
+}
+
+/// How far a bundle is off its leaf's plane.
+struct Offset {
+  double range;     ///< [m]
+  double distance;  ///< [m]
+};
+
+/// The median range, and the robust standard deviation of the distances.
+Offset spread(std::span<const Offset> offsets) {
+  constexpr double kMedianToSigma = 1.4826;  // of a normal distribution
+  std::vector<double> values;
+  values.reserve(offsets.size());
+  const auto median = [&](double Offset::*member) {
+    values.clear();
+    for (const Offset& offset : offsets) values.push_back(offset.*member);
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  return {median(&Offset::range), kMedianToSigma * median(&Offset::distance)};
 }
 
 }  // namespace
 
-double alignment_error(const Octree& octree, const BundleGrid& bundles) {
-  constexpr std::size_t kSamples = 2000;     // bundles that are asked, evenly over the scan
-  constexpr std::size_t kEnough = 50;        // flat places that tell the error to about 10 %
-  constexpr double kMinLeafCount = 10;       // [points] fewer do not make a plane
-  constexpr double kMinBundleCount = 3;      // [points] fewer are mostly range noise
-  constexpr double kUnknown = 0.01;          // [m] a moderate error, where too little is flat to tell
-  constexpr double kMedianToSigma = 1.4826;  // of a normal distribution
+AlignmentError alignment_error(const Octree& octree, const BundleGrid& bundles) {
+  constexpr std::size_t kSamples = 2000;  // bundles that are asked, evenly over the scan
+  constexpr std::size_t kEnough = 50;     // flat places that tell the error to about 10 %
+  constexpr double kMinLeafCount = 10;    // [points] fewer do not make a plane
+  constexpr double kMinBundleCount = 3;   // [points] fewer are mostly range noise
+  constexpr double kUnknown = 0.01;       // [m] a moderate error, where too little is flat to tell
   const std::vector<RayBundle>& all = bundles.bundles();
   const std::size_t step = 1 + all.size() / kSamples;
-  constexpr double kNotFlat = -1;
-  std::vector<double> offsets(chunks(all.size(), step), kNotFlat);
-  for_each_index(offsets.size(), kItemsPerTask, [&](std::size_t i) {
+  std::vector<std::optional<Offset>> asked(chunks(all.size(), step));
+  for_each_index(asked.size(), kItemsPerTask, [&](std::size_t i) {
     const RayBundle& bundle = all[i * step];
     const Leaf* leaf = octree.find(bundle.key);
     if (leaf == nullptr || !leaf->occupied() || leaf->count < kMinLeafCount) return;
     if (bundle.points.count < kMinBundleCount) return;
     const Gaussian surface = octree.gaussian(bundle.key, *leaf);
     const Plane plane = plane_of(surface);
-    if (plane.flat) offsets[i] = std::abs(plane.normal.dot(bundle.points.mean - surface.mean));
+    if (!plane.flat) return;
+    asked[i] = {(bundle.points.mean - bundles.origin_map).norm(),
+                std::abs(plane.normal.dot(bundle.points.mean - surface.mean))};
   });
-  std::erase(offsets, kNotFlat);
-  if (offsets.size() < kEnough) return kUnknown;
-  const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
-  std::nth_element(offsets.begin(), middle, offsets.end());
-  return kMedianToSigma * *middle;
+  std::vector<Offset> offsets;
+  for (const auto& offset : asked) {
+    if (offset) offsets.push_back(*offset);
+  }
+  if (offsets.size() < kEnough) return {kUnknown, 0};
+  if (offsets.size() < 2 * kEnough) return {spread(offsets).distance, 0};
+  std::stable_sort(offsets.begin(), offsets.end(),
+                   [](const Offset& a, const Offset& b) { return a.range < b.range; });
+  const std::span<Offset> sorted(offsets);
+  const Offset near = spread(sorted.first(sorted.size() / 2));
+  const Offset far = spread(sorted.subspan(sorted.size() / 2));
+  // near = position^2 + direction^2 range^2, and so is far.
+  const auto square = [](double x) { return x * x; };
+  const double grown = std::max(0.0, square(far.distance) - square(near.distance));
+  const double direction_squared = grown / std::max(1e-6, square(far.range) - square(near.range));
+  const double position_squared = square(near.distance) - direction_squared * square(near.range);
+  return {std::sqrt(std::max(0.0, position_squared)), std::sqrt(direction_squared)};
 }
 
 double contradicting_fraction(const Evidence& evidence, const BundleGrid& bundles) {
@@ -163,7 +200,7 @@ double contradicting_fraction(const Evidence& evidence, const BundleGrid& bundle
 Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters) {
   const bool is_asked = parameters.hit_margin > 0 || parameters.surface_crossing ||
                         parameters.spare_reobserved || parameters.settled > 0;
-  const double error = is_asked ? alignment_error(octree, bundles) : 0;
+  const AlignmentError error = is_asked ? alignment_error(octree, bundles) : AlignmentError{};
   Evidence evidence{find_contradictions(octree, bundles, error, parameters), {}, error};
   const auto& all = evidence.contradictions;
   for (std::uint32_t begin = 0; begin < all.size();) {
@@ -177,12 +214,12 @@ Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdatePara
     if (bundles.find(against.leaf) != nullptr) return;  // occupied wins
     const Gaussian leaf = octree.gaussian(against.leaf, *octree.find(against.leaf));
     const Plane plane = plane_of(leaf);
-    const double tolerance = parameters.surface_tolerance * error;
+    const double tolerance = parameters.surface_tolerance * error.at((leaf.mean - bundles.origin_map).norm());
     if (parameters.spare_reobserved && is_reobserved(against.leaf, leaf, plane, bundles, tolerance)) return;
     const auto contradictions =
         std::span(evidence.contradictions).subspan(against.begin, against.end - against.begin);
     if (parameters.surface_crossing && !plane.flat)
-      heed_surroundings(octree, against.leaf, leaf, bundles, contradictions);
+      heed_surroundings(octree, against.leaf, leaf, bundles, tolerance, contradictions);
     against.impact = combine(contradictions, parameters.combination);
   });
   return evidence;

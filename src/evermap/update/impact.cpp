@@ -63,6 +63,14 @@ double likelihood_of(const Approach& approach, double plateau) {
   return std::exp(-0.5 * std::max(0.0, approach.mahalanobis_squared - plateau));
 }
 
+/// Where a ray goes through the plane of a flat leaf. REQUIRES: its ends lie on either side.
+Approach crossing(const Plane& plane, const Gaussian& surface, const Ray& ray) {
+  const double origin_side = plane.normal.dot(ray.origin - surface.mean);
+  const double end_side = plane.normal.dot(ray.end - surface.mean);
+  const double fraction = origin_side / (origin_side - end_side);
+  return {fraction, mahalanobis_squared(ray.origin + fraction * (ray.end - ray.origin), surface)};
+}
+
 double default_impact(const Gaussian& leaf, double edge, const Ray& ray, double free_fraction, double error,
                       const UpdateParameters& parameters) {
   const double patch = parameters.patch_radius * parameters.patch_radius;
@@ -70,13 +78,16 @@ double default_impact(const Gaussian& leaf, double edge, const Ray& ray, double 
   // A bound for all leaves, and exp(-x) <= 1 / (1 + x), turn most rays away before anything dear is computed.
   if (parameters.least_impact * (1 + 0.5 * (approach.mahalanobis_squared - patch)) > 1) return 0;
   const Plane plane = plane_of(leaf);
-  if (plane.flat) approach = closest_approach(ray, predictive(leaf, plane, edge, parameters.extent_prior));
+  if (plane.flat) {
+    const Gaussian surface = predictive(leaf, plane, edge, parameters.extent_prior);
+    // The line of a ray that grazes a surface comes close to it long before it goes through.
+    if (parameters.surface_crossing && !crosses(plane, leaf.mean, ray, error, parameters)) return 0;
+    approach = parameters.surface_crossing ? crossing(plane, surface, ray) : closest_approach(ray, surface);
+  }
   const double likelihood = likelihood_of(approach, plane.flat ? patch : 0);
   if (likelihood < parameters.least_impact || approach.fraction > free_fraction) return 0;
   const bool is_plane_decisive = parameters.surface_crossing && plane.flat;
-  const bool contradicts = is_plane_decisive ? crosses(plane, leaf.mean, ray, error, parameters)
-                                             : !is_near_end(approach.fraction, ray, error, parameters);
-  return contradicts ? likelihood : 0;
+  return !is_plane_decisive && is_near_end(approach.fraction, ray, error, parameters) ? 0 : likelihood;
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <evermap/geometry/detail/for_each_index.hpp>
-#include <evermap/geometry/detail/neighbourhood.hpp>
 #include <evermap/map/detail/leaf_finder.hpp>
 #include <evermap/update/detail/impact.hpp>
 #include <evermap/update/detail/leaf_update.hpp>
@@ -31,49 +30,6 @@ void trim(Leaf& leaf, const Eigen::Vector3d& center_map, double thickness,
     surface.covariance = floor_eigenvalues(surface.covariance, thickness * thickness / 4);
   }
   leaf.set_gaussian(surface, center_map);
-}
-
-/// Whether something at `p_map` stands before the leaf's plane, as the sensor sees it. A leaf without a plane
-/// tells of no surface, so everything may.
-bool stands_before(const Gaussian& leaf, const Eigen::Vector3d& p_map, const Eigen::Vector3d& origin_map,
-                   double clearance) {
-  const Plane plane = plane_of(leaf);
-  if (!plane.flat) return true;
-  const double sensor_side = plane.normal.dot(origin_map - leaf.mean);
-  const double side = plane.normal.dot(p_map - leaf.mean);
-  return (sensor_side > 0 ? side : -side) > clearance;
-}
-
-/// A surface goes as a whole. Of what stood at the sensor's height, rays see that its sides went, but none
-/// goes through its top. So each leaf that went contradicts the flat leaves beside it that the scan does not
-/// show, the more the fewer of their neighbours are left; not those before which it stood, as a box stands
-/// before ground and walls. These may go, too, and so on. Returns how many went.
-std::size_t let_go_together(Octree& octree, std::vector<VoxelKey> gone, const BundleGrid& bundles,
-                            const UpdateParameters& parameters, Rollback* rollback) {
-  std::size_t count = 0;
-  while (!gone.empty()) {
-    const VoxelKey went = gone.back();
-    gone.pop_back();
-    std::vector<VoxelKey> beside;
-    for_each_in_neighbourhood(went, [&](VoxelKey key) {
-      if (octree.is_occupied(key) && bundles.find(key) == nullptr) beside.push_back(key);
-    });
-    for (const VoxelKey key : beside) {
-      const Gaussian surface = octree.gaussian(key, *std::as_const(octree).find(key));
-      const double half_edge = octree.grid().edge / 2;
-      if (stands_before(surface, octree.grid().center(went), bundles.origin_map, half_edge)) continue;
-      int left = 0;  // of its neighbours, itself among them
-      for_each_in_neighbourhood(key, [&](VoxelKey near) { left += octree.is_occupied(near) ? 1 : 0; });
-      if (rollback != nullptr) rollback->remember(key, std::as_const(octree).find(key));
-      Leaf& leaf = *octree.find(key);
-      leaf.log_odds -= static_cast<float>(parameters.cohesion / left * parameters.miss);
-      if (leaf.occupied()) continue;
-      octree.erase(key);
-      gone.push_back(key);
-      ++count;
-    }
-  }
-  return count;
 }
 
 /// Subtractive: every contradicted leaf has one owner; what is to go is erased afterwards, since that moves
@@ -106,9 +62,12 @@ std::vector<VoxelKey> contradict_leaves(Octree& octree, const BundleGrid& bundle
 
 /// Additive: leaves that exist are confirmed in parallel; new ones are made one by one, since that moves
 /// leaves. Returns how many became occupied.
-std::size_t confirm_leaves(Octree& octree, const BundleGrid& bundles, double error,
+std::size_t confirm_leaves(Octree& octree, const BundleGrid& bundles, const AlignmentError& error,
                            const UpdateParameters& parameters, double view_weight) {
   const auto& all = bundles.bundles();
+  const auto error_at = [&](const RayBundle& bundle) {
+    return error.at((bundle.points.mean - bundles.origin_map).norm());
+  };
   enum class Hit : char { kNew, kConfirms, kMakesOccupied };
   std::vector<Hit> hits(all.size(), Hit::kNew);
   octree.own(all, [](const RayBundle& bundle) { return bundle.key; });
@@ -120,14 +79,14 @@ std::size_t confirm_leaves(Octree& octree, const BundleGrid& bundles, double err
       const bool was_occupied = leaf->occupied();
       Gaussian seen = all[i].points;
       seen.count *= view_weight;
-      confirm(*leaf, seen, octree.grid().center(all[i].key), error, parameters);
+      confirm(*leaf, seen, octree.grid().center(all[i].key), error_at(all[i]), parameters);
       hits[i] = !was_occupied && leaf->occupied() ? Hit::kMakesOccupied : Hit::kConfirms;
     }
   });
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (hits[i] != Hit::kNew) continue;
     Leaf& leaf = octree.find_or_insert(all[i].key);
-    confirm(leaf, all[i].points, octree.grid().center(all[i].key), error, parameters);
+    confirm(leaf, all[i].points, octree.grid().center(all[i].key), error_at(all[i]), parameters);
     if (leaf.occupied()) hits[i] = Hit::kMakesOccupied;
   }
   return static_cast<std::size_t>(std::count(hits.begin(), hits.end(), Hit::kMakesOccupied));
@@ -139,7 +98,7 @@ LeafChanges add(Octree& octree, const BundleGrid& bundles, const UpdateParameter
   UpdateParameters trusting = parameters;
   trusting.confirmations = 1;
   trusting.settled = 0;
-  return {confirm_leaves(octree, bundles, 0, trusting, 1), 0};
+  return {confirm_leaves(octree, bundles, {}, trusting, 1), 0};
 }
 
 BundleGrid add_cloud(Octree& octree, const Scan& cloud, const Pose& T_map_cloud, const LidarParameters& lidar,
@@ -161,17 +120,21 @@ LeafChanges update(Octree& octree, const BundleGrid& bundles, const UpdateParame
 }
 
 LeafChanges apply(Octree& octree, const BundleGrid& bundles, const Evidence& evidence,
-                  const UpdateParameters& parameters, double view_weight, Rollback* rollback) {
+                  const UpdateParameters& parameters, double view_weight, Rollback* rollback,
+                  GoneLeaves* gone) {
   if (rollback != nullptr) {
     LeafFinder leaves(std::as_const(octree));
     for (const LeafEvidence& against : evidence.leaves)
       rollback->remember(against.leaf, leaves.find(against.leaf));
     for (const RayBundle& bundle : bundles.bundles()) rollback->remember(bundle.key, leaves.find(bundle.key));
   }
-  std::vector<VoxelKey> gone = contradict_leaves(octree, bundles, evidence, parameters);
-  std::size_t erased = gone.size();
-  if (parameters.cohesion > 0)
-    erased += let_go_together(octree, std::move(gone), bundles, parameters, rollback);
+  std::vector<VoxelKey> went = contradict_leaves(octree, bundles, evidence, parameters);
+  std::size_t erased = went.size();
+  if (parameters.rim_gone > 0) {
+    GoneLeaves of_this_scan;
+    erased += remove_regions(octree, std::move(went), gone != nullptr ? *gone : of_this_scan, bundles,
+                             parameters, rollback);
+  }
   return {confirm_leaves(octree, bundles, evidence.alignment_error, parameters, view_weight), erased};
 }
 

@@ -15,9 +15,10 @@ struct UpdateParameters {
   bool trim_leaves = false;      ///< rays take from a leaf's geometry, too: the paper's equation 6
   double least_impact = 0.1;     ///< in [0, 1]; smaller impacts are ignored
   double extent_prior = 1;       ///< [points] weight of not knowing where in its voxel a surface is
-  double patch_radius = 1;  ///< [standard deviations] so near to its middle, a flat leaf covers its plane
-  double hit_margin = 100;  ///< [alignment errors] before its hit, a ray contradicts no leaf without
-                            ///< a plane
+  double patch_radius = 1.732;   ///< [standard deviations] so near to its middle, a flat leaf covers its
+                                 ///< plane: sqrt(3) is the rim of what is spread evenly
+  double hit_margin = 100;       ///< [alignment errors] before its hit, a ray contradicts no leaf without
+                                 ///< a plane
   double surface_tolerance = 9;  ///< [alignment errors] by which a surface may seem displaced
 
   double hit = 2.197;                 ///< [log-odds] gained by one hit, logit(0.9)
@@ -31,8 +32,8 @@ struct UpdateParameters {
                                       ///< to where it was stays there; 0: every hit moves it
   double forgetting = 0.5;            ///< fraction of these that one full contradiction takes
 
-  double cohesion = 2;  ///< [full contradictions] shared by what is left of a surface's neighbours when one
-                        ///< goes: a flat leaf goes with those around it
+  double rim_gone = 0.5;  ///< fraction of the rim of a region of surface beside leaves that went, with which
+                          ///< the region goes as a whole; 0: never
   double standstill = 0.1;  ///< [m] a sensor that moved less sees the same again (Viewpoint); 0: never
 
   static UpdateParameters paper();
@@ -55,7 +56,7 @@ inline UpdateParameters UpdateParameters::paper() {
   parameters.max_count = 100;
   parameters.settled = 0;
   parameters.forgetting = 0;
-  parameters.cohesion = 0;
+  parameters.rim_gone = 0;
   parameters.standstill = 0;
   return parameters;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -26,21 +27,30 @@ struct LeafEvidence {
   std::uint32_t end;
 };
 
+/// How far a scan is off the map. What is off by its direction is the farther off the farther away it is.
+struct AlignmentError {
+  double position = 0;   ///< [m]
+  double direction = 0;  ///< [rad]
+
+  /// Standard deviation of a point's place [m] at this range [m].
+  double at(double range) const { return std::hypot(position, direction * range); }
+};
+
 /// What a scan says against the map. Leaves ascend by key; a leaf's contradictions follow the order of
 /// bundles.
 struct Evidence {
   std::vector<Contradiction> contradictions;
   std::vector<LeafEvidence> leaves;
-  double alignment_error = 0;  ///< of the scan [m], where the rules ask for it
+  AlignmentError alignment_error;  ///< of the scan, where the rules ask for it
 };
 
 /// Fraction of a scan's bundles that contradict leaves; spared leaves do not count.
 double contradicting_fraction(const Evidence& evidence, const BundleGrid& bundles);
 
-/// How far the scan is off the map [m]: robust standard deviation of the distances from the scan's bundles to
-/// the planes of flat leaves that they hit. It is measured, not assumed, so that one rule serves exact poses
-/// and poor ones.
-double alignment_error(const Octree& octree, const BundleGrid& bundles);
+/// How far the scan is off the map: robust standard deviations of the distances from the scan's bundles to
+/// the planes of flat leaves that they hit, in the nearer and the farther half of these. It is measured, not
+/// assumed, so that one rule serves exact poses and poor ones.
+AlignmentError alignment_error(const Octree& octree, const BundleGrid& bundles);
 
 /// Sends every bundle's ray through the map and gathers, leaf by leaf, what it contradicts. Reads the map and
 /// writes nothing; runs in parallel in the caller's TBB arena, with the same result for any number of

@@ -10,6 +10,7 @@
 #include <evermap/scan/scan.hpp>
 #include <evermap/update/detail/evidence.hpp>
 #include <evermap/update/detail/rollback.hpp>
+#include <evermap/update/detail/surface_regions.hpp>
 #include <evermap/update/parameters.hpp>
 
 namespace evermap {
@@ -38,9 +39,11 @@ LeafChanges update(Octree& octree, const BundleGrid& bundles, const UpdateParame
                    double view_weight = 1);
 
 /// The last step of an update: contradict and confirm. What it changes, `rollback` remembers, if given: the
-/// leaves of the evidence, those that bundles hit, and those around leaves that went. REQUIRES: `evidence` is
-/// what `bundles` say against this map.
+/// leaves of the evidence, those that bundles hit, and those that go with others. `gone` remembers which
+/// went, from scan to scan; without it, a surface goes as a whole only with what one scan took. REQUIRES:
+/// `evidence` is what `bundles` say against this map.
 LeafChanges apply(Octree& octree, const BundleGrid& bundles, const Evidence& evidence,
-                  const UpdateParameters& parameters, double view_weight, Rollback* rollback = nullptr);
+                  const UpdateParameters& parameters, double view_weight, Rollback* rollback = nullptr,
+                  GoneLeaves* gone = nullptr);
 
 }  // namespace evermap

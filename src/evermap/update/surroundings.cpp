@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include <evermap/geometry/detail/neighbourhood.hpp>
+#include <evermap/update/detail/surroundings.hpp>
+
+namespace evermap {
+
+Plane plane_around(const Octree& octree, VoxelKey key) {
+  constexpr int kLeast = 4;  // leaves; fewer lie in a plane anyhow
+  Gaussian around;
+  for_each_in_neighbourhood(key, [&](VoxelKey near) {
+    const Leaf* leaf = octree.find(near);
+    if (leaf == nullptr || !leaf->occupied()) return;
+    const Gaussian surface = octree.gaussian(near, *leaf);
+    around = merge(around, {surface.mean, surface.covariance, 1});  // each leaf as much as another
+  });
+  return around.count < kLeast ? Plane{} : plane_of(around);
+}
+
+Plane plane_of_surface(const Octree& octree, VoxelKey key, const Gaussian& leaf) {
+  const Plane own = plane_of(leaf);
+  return own.flat ? own : plane_around(octree, key);
+}
+
+std::vector<PlacedPlane> corner_around(const Octree& octree, VoxelKey key, const Gaussian& leaf) {
+  constexpr double kParallel = 0.7;  // cosine of 45 degrees
+  std::vector<PlacedPlane> planes;
+  bool is_corner = false;
+  for_each_in_neighbourhood(key, [&](VoxelKey near) {
+    const Leaf* neighbour = octree.find(near);
+    if (near == key || neighbour == nullptr || !neighbour->occupied()) return;
+    const Gaussian surface = octree.gaussian(near, *neighbour);
+    const Plane plane = plane_of(surface);
+    const double apart = plane.normal.dot(leaf.mean - surface.mean);
+    if (!plane.flat || std::abs(apart) > octree.grid().edge / 2) return;
+    planes.push_back({plane, leaf.mean - apart * plane.normal});
+    if (std::abs(plane.normal.dot(planes.front().plane.normal)) < kParallel) is_corner = true;
+  });
+  if (!is_corner) planes.clear();
+  return planes;
+}
+
+bool stands_before(const Plane& plane, const Eigen::Vector3d& on_plane, const Eigen::Vector3d& p_map,
+                   const Eigen::Vector3d& origin_map, double clearance) {
+  if (!plane.flat) return true;
+  const double sensor_side = plane.normal.dot(origin_map - on_plane);
+  const double side = plane.normal.dot(p_map - on_plane);
+  return (sensor_side > 0 ? side : -side) > clearance;
+}
+
+}  // namespace evermap
