@@ -450,7 +450,7 @@ void remove_regions(std::map<VoxelKey, ReferenceLeaf>& leaves, std::vector<Voxel
         }
         done.insert(region.begin(), region.end());
         const auto count = [](const std::set<VoxelKey>& keys) { return static_cast<double>(keys.size()); };
-        if (region.size() <= 1000 && held.size() <= 60 && missing.size() >= 4 &&
+        if (region.size() <= 1000 && held.size() <= 30 && missing.size() >= 4 &&
             count(lost) >= parameters.rim_gone * count(rim) && count(held) <= count(lost) / 4)
           going.insert(region.begin(), region.end());
       }

@@ -16,8 +16,7 @@ namespace {
 /// The surface in a voxel.
 struct Surface {
   Gaussian leaf;
-  Plane plane;     ///< one hit has none but its own
-  bool is_hit;     ///< by the scan
+  Plane plane;
   int region = 0;  ///< that it belongs to, from 1 on
 };
 
@@ -33,10 +32,9 @@ class SurfaceRegions {
     std::vector<VoxelKey> going;
     for_each_in_neighbourhood(went, [&](VoxelKey key) {
       const Leaf* leaf = leaves_.find(key);
-      if (leaf == nullptr || !leaf->occupied()) return;
+      if (leaf == nullptr || !leaf->occupied() || bundles_.find(key) != nullptr) return;
       const Surface& surface = at(key, *leaf);
-      if (surface.is_hit || surface.region > 0 || !surface.plane.flat ||
-          is_before(surface, octree_.grid().center(went)))
+      if (surface.region > 0 || !surface.plane.flat || is_before(surface, octree_.grid().center(went)))
         return;
       const std::vector<VoxelKey> region = detached_region(key, *leaf);
       going.insert(going.end(), region.begin(), region.end());
@@ -46,7 +44,7 @@ class SurfaceRegions {
 
  private:
   static constexpr std::size_t kLargest = 1000;  ///< [leaves] what is larger is ground or a building
-  static constexpr int kMostHeld = 60;           ///< [leaves] nor does a region so well held go
+  static constexpr int kMostHeld = 30;           ///< [leaves] a quarter of such a region's rim
 
   /// What is beside the leaves of a region.
   struct Rim {
@@ -61,9 +59,8 @@ class SurfaceRegions {
     const auto found = surfaces_.find(key.bits());
     if (found != surfaces_.end()) return found->second;
     const Gaussian surface = octree_.gaussian(key, leaf);
-    const bool is_hit = bundles_.find(key) != nullptr;
-    const Plane plane = is_hit ? plane_of(surface) : plane_of_surface(octree_, key, surface);
-    return surfaces_.emplace(key.bits(), Surface{surface, plane, is_hit}).first->second;
+    return surfaces_.emplace(key.bits(), Surface{surface, plane_of_surface(octree_, key, surface)})
+        .first->second;
   }
 
   bool is_before(const Surface& surface, const Eigen::Vector3d& p_map) const {
@@ -78,6 +75,11 @@ class SurfaceRegions {
     const Eigen::Vector3d apart = b.leaf.mean - a.leaf.mean;
     const double step = octree_.grid().edge / 2;
     return std::abs(a.plane.normal.dot(apart)) <= step && std::abs(b.plane.normal.dot(apart)) <= step;
+  }
+
+  /// Whether what still stands holds a surface beside it, and does not merely lie behind.
+  bool holds(const Surface& other, const Surface& surface) const {
+    return !other.plane.flat || !is_before(other, surface.leaf.mean);
   }
 
   /// Adds what is beside this leaf to `rim`, and the neighbours that are coherent with it and in no region to
@@ -96,20 +98,21 @@ class SurfaceRegions {
         rim.gone.push_back(near);
         return;
       }
+      if (bundles_.find(near) != nullptr) {  // another surface, or more of this one
+        const Gaussian hit = octree_.gaussian(near, *leaf);
+        is_held = is_held || holds({hit, plane_of(hit)}, surface);
+        return;
+      }
       Surface& neighbour = at(near, *leaf);
-      if (!neighbour.is_hit && are_coherent(surface, neighbour)) {
+      if (are_coherent(surface, neighbour)) {
         ++within;
         meets_another = meets_another || (neighbour.region > 0 && neighbour.region != surface.region);
         if (neighbour.region > 0) return;
         neighbour.region = surface.region;
         region.push_back(near);
-        return;
+      } else if (leaf->log_odds > static_cast<float>(parameters_.max_log_odds)) {
+        is_held = is_held || holds(neighbour, surface);
       }
-      // Another surface, or more of this one. It holds unless it merely lies behind.
-      const bool still_stands =
-          neighbour.is_hit || leaf->log_odds > static_cast<float>(parameters_.max_log_odds);
-      is_held =
-          is_held || (still_stands && !(neighbour.plane.flat && is_before(neighbour, surface.leaf.mean)));
     });
     rim.leaves += within < kWithin ? 1 : 0;
     rim.lost += is_lost ? 1 : 0;
