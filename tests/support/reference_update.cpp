@@ -422,8 +422,11 @@ void remove_regions(std::map<VoxelKey, ReferenceLeaf>& leaves, std::vector<Voxel
     for (const auto& [key, leaf] : leaves)
       if (leaf.log_odds > 0) surfaces.emplace(key, surface_at(key));
     std::set<VoxelKey> going, done;
-    for (const VoxelKey from : went)
-      for (const VoxelKey start : around(from)) {
+    for (const VoxelKey from : went) {
+      const auto beside = around(from);
+      if (std::count_if(beside.begin(), beside.end(), [&](VoxelKey near) { return gone.contains(near); }) < 3)
+        continue;  // a small hole
+      for (const VoxelKey start : beside) {
         if (!occupied(start) || is_hit(bundles, start) || done.contains(start)) continue;
         if (before(surfaces.at(start), grid.center(from))) continue;
         std::set<VoxelKey> region{start}, lost, held, rim, missing;
@@ -454,6 +457,7 @@ void remove_regions(std::map<VoxelKey, ReferenceLeaf>& leaves, std::vector<Voxel
             count(lost) >= parameters.rim_gone * count(rim) && count(held) <= count(lost) / 4)
           going.insert(region.begin(), region.end());
       }
+    }
     for (const VoxelKey key : going) leaves.erase(key);
     went.assign(going.begin(), going.end());
   }

@@ -29,7 +29,11 @@ class SurfaceRegions {
 
   /// The leaves of the regions beside this leaf that go.
   std::vector<VoxelKey> going_with(VoxelKey went) {
+    constexpr int kHole = 4;  // [voxels] a smaller hole is no rim
+    int hole = 0;
+    for_each_in_neighbourhood(went, [&](VoxelKey near) { hole += gone_.contains(near) ? 1 : 0; });
     std::vector<VoxelKey> going;
+    if (hole < kHole) return going;
     for_each_in_neighbourhood(went, [&](VoxelKey key) {
       const Leaf* leaf = leaves_.find(key);
       if (leaf == nullptr || !leaf->occupied() || bundles_.find(key) != nullptr) return;
