@@ -92,6 +92,8 @@ struct AlignmentError {
   }
 };
 
+bool is_flat(const Eigensystem& eigen) { return eigen.eigenvalues()[0] < 0.2 * eigen.eigenvalues()[1]; }
+
 /// Equation 3: the positive root of 2 A t^2 + (T - 2 B) t - 3 = 0, at most 1.
 double travel_time(const ReferenceLeaf& leaf, const Vector3d& o, const Bundle& bundle) {
   const Matrix3d P = leaf.covariance.inverse();
@@ -134,7 +136,7 @@ double approach_impact(const ReferenceLeaf& leaf, double edge, const Vector3d& o
                        double free, double error, const Parameters& parameters) {
   const Eigensystem eigen(leaf.covariance);
   const Vector3d n = eigen.eigenvectors().col(0);
-  const bool flat = eigen.eigenvalues()[0] < 0.2 * eigen.eigenvalues()[1];
+  const bool flat = is_flat(eigen);
   const bool crosses = flat && parameters.update.surface_crossing;
   const Vector3d u = (bundle.mean - o).normalized();
   const Matrix3d S = extent(leaf, eigen, flat, edge, parameters.update);
@@ -200,8 +202,6 @@ double combined(const std::vector<Contradiction>& contradictions, Combination co
   return combination == Combination::kMaximum ? maximum : 1 - spared;
 }
 
-bool is_flat(const Eigensystem& eigen) { return eigen.eigenvalues()[0] < 0.2 * eigen.eigenvalues()[1]; }
-
 bool repeats(double a, double b, double scale) { return std::abs(a - b) < 1e-6 * scale; }
 
 double median(std::vector<double> values) {
@@ -221,7 +221,7 @@ AlignmentError alignment_error(const std::map<VoxelKey, ReferenceLeaf>& leaves,
     if (leaf == leaves.end() || leaf->second.log_odds <= 0) continue;
     if (leaf->second.count < 10 || bundle.count < 3) continue;
     const Eigensystem eigen(leaf->second.covariance);
-    if (eigen.eigenvalues()[0] >= 0.2 * eigen.eigenvalues()[1]) continue;
+    if (!is_flat(eigen)) continue;
     offsets.emplace_back((bundle.mean - o).norm(),
                          std::abs(eigen.eigenvectors().col(0).dot(bundle.mean - leaf->second.mean)));
   }
@@ -245,7 +245,7 @@ AlignmentError alignment_error(const std::map<VoxelKey, ReferenceLeaf>& leaves,
 bool fits(const ReferenceLeaf& leaf, const Bundle& hit, double tolerance) {
   const Eigensystem own(leaf.covariance);
   Vector3d widths = Vector3d::Constant(tolerance);  // along the leaf's axes, the thinnest first
-  if (own.eigenvalues()[0] < 0.2 * own.eigenvalues()[1]) widths[0] /= 3;
+  if (is_flat(own)) widths[0] /= 3;
   const Matrix3d blur = own.eigenvectors() * widths.cwiseAbs2().asDiagonal() * own.eigenvectors().transpose();
   return squared_distance(leaf.mean, hit.mean, hit.covariance + blur) < kQuantile99;
 }
@@ -355,7 +355,7 @@ void keep_settled(ReferenceLeaf& leaf, const ReferenceLeaf& old, const Bundle& b
                   double settled) {
   const Eigensystem eigen(old.covariance);
   const double bound = settled * settled;
-  if (eigen.eigenvalues()[0] >= 0.2 * eigen.eigenvalues()[1]) {
+  if (!is_flat(eigen)) {
     if (squared_distance(bundle.mean, old.mean, old.covariance) >= bound) return;
     leaf.mean = old.mean;
     leaf.covariance = old.covariance;
@@ -514,7 +514,7 @@ void ReferenceUpdate::update(const Scan& scan, const Pose& T_map_sensor, const P
   Evidence evidence = gathered(leaves, bundles, grid_, o, error, parameters);
   for (auto& [key, contradictions] : evidence) {
     const Eigensystem own(leaves.at(key).covariance);
-    const bool flat = own.eigenvalues()[0] < 0.2 * own.eigenvalues()[1];
+    const bool flat = is_flat(own);
     if (flat || !parameters.update.surface_crossing) continue;
     for (Contradiction& c : contradictions)
       if (!goes_through_surroundings(leaves, key, grid_.edge, o, c.bundle->mean, tolerance_at(key)))

@@ -89,26 +89,27 @@ TEST_F(SurfaceRegionsTest, ARimMayGoInSeveralScans) {
   EXPECT_EQ(octree_.leaf_count(), 0U);
 }
 
-TEST_F(SurfaceRegionsTest, WhatStillStandsHoldsARegion) {
+/// The plate's rim but for the side at x = 8.
+std::vector<Vector3i> three_sides() {
   std::vector<Vector3i> sides;
   for (int i = 0; i < 9; ++i) {
-    put({9, i, 0}, {1e-4, 3e-3, 3e-3}, 5);  // seen since it was surveyed
     sides.emplace_back(i, 0, 0);
     sides.emplace_back(i, 8, 0);
     if (i > 0 && i < 8) sides.emplace_back(0, i, 0);
   }
+  return sides;
+}
+
+TEST_F(SurfaceRegionsTest, WhatStillStandsHoldsARegion) {
+  for (int i = 0; i < 9; ++i) put({9, i, 0}, {1e-4, 3e-3, 3e-3}, 5);  // seen since it was surveyed
+  const std::vector<Vector3i> sides = three_sides();
   EXPECT_EQ(let_go(sides).erased, sides.size());
   EXPECT_NE(octree_.find(key({4, 4, 0})), nullptr);
 }
 
 TEST_F(SurfaceRegionsTest, WhatNobodySawSinceHoldsNothing) {
-  std::vector<Vector3i> sides;
-  for (int i = 0; i < 9; ++i) {
-    put({9, i, 0}, {1e-4, 3e-3, 3e-3});
-    sides.emplace_back(i, 0, 0);
-    sides.emplace_back(i, 8, 0);
-    if (i > 0 && i < 8) sides.emplace_back(0, i, 0);
-  }
+  for (int i = 0; i < 9; ++i) put({9, i, 0}, {1e-4, 3e-3, 3e-3});
+  const std::vector<Vector3i> sides = three_sides();
   EXPECT_GE(let_go(sides).erased, sides.size() + 8 * 7);
   EXPECT_EQ(octree_.find(key({4, 4, 0})), nullptr);
 }

@@ -100,10 +100,11 @@ bool goes_through(const Plane& plane, const Eigen::Vector3d& on_plane, double re
 /// Few points, or both faces of a slab, make no plane by themselves, and in a corner two planes meet: rays
 /// along a ceiling, or past the foot of a wall, would tear such a leaf. It lies in the plane of its
 /// surroundings or in those that meet in it, if there are any, and contradictions by rays that go through
-/// none of them at the leaf are taken back. In a corner, a ray must end beyond the plane by `tolerance` [m]
-/// at the least: many end on one of its surfaces.
+/// none of them at the leaf are taken back. In a corner, a ray that is off by `error` [m] must end beyond the
+/// plane: many end on one of its surfaces.
 void heed_surroundings(const Octree& octree, VoxelKey key, const Gaussian& leaf, const BundleGrid& bundles,
-                       double tolerance, std::span<Contradiction> contradictions) {
+                       double error, const UpdateParameters& parameters,
+                       std::span<Contradiction> contradictions) {
   const double reach = octree.grid().edge;
   const Plane around = plane_around(octree, key);
   const std::vector<PlacedPlane> corner =
@@ -111,13 +112,12 @@ void heed_surroundings(const Octree& octree, VoxelKey key, const Gaussian& leaf,
   if (!around.flat && corner.empty()) return;
   for (Contradiction& c : contradictions) {
     const Ray ray{bundles.origin_map, bundles.bundles()[c.bundle].points.mean};
-    const auto ends_beyond_and_goes_through = [&](const PlacedPlane& side) {
-      const double beyond = std::abs(side.plane.normal.dot(ray.end - side.on_plane));
-      return beyond > 3 * side.plane.sigma + tolerance && goes_through(side.plane, side.on_plane, reach, ray);
-    };
     const bool is_through = around.flat
                                 ? goes_through(around, leaf.mean, reach, ray)
-                                : std::any_of(corner.begin(), corner.end(), ends_beyond_and_goes_through);
+                                : std::any_of(corner.begin(), corner.end(), [&](const PlacedPlane& side) {
+                                    return crosses(side.plane, side.on_plane, ray, error, parameters) &&
+                                           goes_through(side.plane, side.on_plane, reach, ray);
+                                  });
     if (!is_through) c.impact = 0;
   }
 }
@@ -214,12 +214,13 @@ Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdatePara
     if (bundles.find(against.leaf) != nullptr) return;  // occupied wins
     const Gaussian leaf = octree.gaussian(against.leaf, *octree.find(against.leaf));
     const Plane plane = plane_of(leaf);
-    const double tolerance = parameters.surface_tolerance * error.at((leaf.mean - bundles.origin_map).norm());
+    const double error_there = error.at((leaf.mean - bundles.origin_map).norm());
+    const double tolerance = parameters.surface_tolerance * error_there;
     if (parameters.spare_reobserved && is_reobserved(against.leaf, leaf, plane, bundles, tolerance)) return;
     const auto contradictions =
         std::span(evidence.contradictions).subspan(against.begin, against.end - against.begin);
     if (parameters.surface_crossing && !plane.flat)
-      heed_surroundings(octree, against.leaf, leaf, bundles, tolerance, contradictions);
+      heed_surroundings(octree, against.leaf, leaf, bundles, error_there, parameters, contradictions);
     against.impact = combine(contradictions, parameters.combination);
   });
   return evidence;

@@ -41,21 +41,20 @@ Gaussian predictive(const Gaussian& leaf, const Plane& plane, double edge, doubl
   return {leaf.mean, leaf.covariance + unseen * directions, leaf.count};
 }
 
-namespace {
-
-/// Whether a surface that is off by `error` [m] may stand here although it is what the ray hit: the more a
-/// ray grazes a surface, the farther before its end.
-bool is_near_end(double fraction, const Ray& ray, double error, const UpdateParameters& parameters) {
-  return (1 - fraction) * ray.length() < parameters.hit_margin * error;
-}
-
-/// Whether a ray that is off by `error` [m] still ends beyond the plane.
 bool crosses(const Plane& plane, const Eigen::Vector3d& on_plane, const Ray& ray, double error,
              const UpdateParameters& parameters) {
   const double origin_side = plane.normal.dot(ray.origin - on_plane);
   const double end_side = plane.normal.dot(ray.end - on_plane);
   return origin_side * end_side < 0 &&
          std::abs(end_side) > 3 * plane.sigma + parameters.surface_tolerance * error;
+}
+
+namespace {
+
+/// Whether a surface that is off by `error` [m] may stand here although it is what the ray hit: the more a
+/// ray grazes a surface, the farther before its end.
+bool is_near_end(double fraction, const Ray& ray, double error, const UpdateParameters& parameters) {
+  return (1 - fraction) * ray.length() < parameters.hit_margin * error;
 }
 
 /// How likely the surface is where a ray comes closest, relative to the middle of it.
@@ -78,15 +77,15 @@ double default_impact(const Gaussian& leaf, double edge, const Ray& ray, double 
   // A bound for all leaves, and exp(-x) <= 1 / (1 + x), turn most rays away before anything dear is computed.
   if (parameters.least_impact * (1 + 0.5 * (approach.mahalanobis_squared - patch)) > 1) return 0;
   const Plane plane = plane_of(leaf);
+  const bool is_plane_decisive = parameters.surface_crossing && plane.flat;
+  if (is_plane_decisive && !crosses(plane, leaf.mean, ray, error, parameters)) return 0;
   if (plane.flat) {
     const Gaussian surface = predictive(leaf, plane, edge, parameters.extent_prior);
     // The line of a ray that grazes a surface comes close to it long before it goes through.
-    if (parameters.surface_crossing && !crosses(plane, leaf.mean, ray, error, parameters)) return 0;
-    approach = parameters.surface_crossing ? crossing(plane, surface, ray) : closest_approach(ray, surface);
+    approach = is_plane_decisive ? crossing(plane, surface, ray) : closest_approach(ray, surface);
   }
   const double likelihood = likelihood_of(approach, plane.flat ? patch : 0);
   if (likelihood < parameters.least_impact || approach.fraction > free_fraction) return 0;
-  const bool is_plane_decisive = parameters.surface_crossing && plane.flat;
   return !is_plane_decisive && is_near_end(approach.fraction, ray, error, parameters) ? 0 : likelihood;
 }
 

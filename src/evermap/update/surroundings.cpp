@@ -1,20 +1,28 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <cmath>
 
 #include <evermap/geometry/detail/neighbourhood.hpp>
 #include <evermap/update/detail/surroundings.hpp>
 
 namespace evermap {
+namespace {
+
+/// Calls f(key, surface) for the occupied leaf of this voxel and for those around it.
+template <class Function>
+void for_each_surface_around(const Octree& octree, VoxelKey center, Function&& f) {
+  for_each_in_neighbourhood(center, [&](VoxelKey near) {
+    const Leaf* leaf = octree.find(near);
+    if (leaf != nullptr && leaf->occupied()) f(near, octree.gaussian(near, *leaf));
+  });
+}
+
+}  // namespace
 
 Plane plane_around(const Octree& octree, VoxelKey key) {
   constexpr int kLeast = 4;  // leaves; fewer lie in a plane anyhow
   Gaussian around;
-  for_each_in_neighbourhood(key, [&](VoxelKey near) {
-    const Leaf* leaf = octree.find(near);
-    if (leaf == nullptr || !leaf->occupied()) return;
-    const Gaussian surface = octree.gaussian(near, *leaf);
+  for_each_surface_around(octree, key, [&](VoxelKey /*near*/, const Gaussian& surface) {
     around = merge(around, {surface.mean, surface.covariance, 1});  // each leaf as much as another
   });
   return around.count < kLeast ? Plane{} : plane_of(around);
@@ -29,10 +37,8 @@ std::vector<PlacedPlane> corner_around(const Octree& octree, VoxelKey key, const
   constexpr double kParallel = 0.7;  // cosine of 45 degrees
   std::vector<PlacedPlane> planes;
   bool is_corner = false;
-  for_each_in_neighbourhood(key, [&](VoxelKey near) {
-    const Leaf* neighbour = octree.find(near);
-    if (near == key || neighbour == nullptr || !neighbour->occupied()) return;
-    const Gaussian surface = octree.gaussian(near, *neighbour);
+  for_each_surface_around(octree, key, [&](VoxelKey near, const Gaussian& surface) {
+    if (near == key) return;
     const Plane plane = plane_of(surface);
     const double apart = plane.normal.dot(leaf.mean - surface.mean);
     if (!plane.flat || std::abs(apart) > octree.grid().edge / 2) return;

@@ -28,6 +28,10 @@ struct Plane {
 };
 Plane plane_of(const Gaussian& leaf);
 
+/// Whether a ray goes through a plane and, though it is off by `error` [m], ends beyond.
+bool crosses(const Plane& plane, const Eigen::Vector3d& on_plane, const Ray& ray, double error,
+             const UpdateParameters& parameters);
+
 /// Where a leaf's surface may be, given its points and no more: few of them do not tell where else in the
 /// voxel it is. The predictive Gaussian of a prior worth `extent_prior` points anywhere in a voxel of this
 /// edge [m]; where a flat leaf lies across its plane is known.
