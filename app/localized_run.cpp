@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string_view>
 
@@ -22,16 +23,15 @@
 namespace evermap {
 namespace {
 
-void record(LocalizedRun& run, double time, const ScanResult& result) {
+void record(LocalizedRun& run, ScanResult result) {
   spdlog::debug("scan {}: {} {}, {:.0f} % inliers, residual {:.2f}, {:.0f} % of the rays contradict the map",
                 run.scans.size(), to_string(result.state), to_string(result.reject_reason),
                 100 * result.inlier_fraction, result.residual,
                 100 * result.contradicting_fraction.value_or(0));
-  run.scans.emplace_back(time, result);
-  if (result.reject_reason == RejectReason::kNone) run.trajectory.push_back({time, result.T_map_sensor});
-  ++run.states[static_cast<std::size_t>(result.state)];
-  if (result.reject_reason != RejectReason::kNone) ++run.rejections[result.reject_reason];
-  run.rolled_back += result.rolled_back;
+  for (const ScanResult& earlier : result.confirmed)
+    run.trajectory.push_back({earlier.time, earlier.T_map_sensor});
+  if (result.is_believed()) run.trajectory.push_back({result.time, result.T_map_sensor});
+  append(run.scans, std::move(result));
 }
 
 /// What to do about scans that were rejected.
@@ -126,7 +126,7 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
     }
     time = now;
     result.with_odometry += T_odom_sensor ? 1 : 0;
-    record(result, time, take([&] { return maintainer.process(*scan, time, T_odom_sensor); }));
+    record(result, take([&] { return maintainer.process(*scan, time, T_odom_sensor); }));
     look(result);
     return true;
   });
@@ -149,8 +149,26 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
   return result;
 }
 
+std::size_t LocalizedRun::count(TrackingState state) const {
+  return static_cast<std::size_t>(
+      std::count_if(scans.begin(), scans.end(), [&](const ScanResult& scan) { return scan.state == state; }));
+}
+
+std::map<RejectReason, std::size_t> LocalizedRun::rejections() const {
+  std::map<RejectReason, std::size_t> count;
+  for (const ScanResult& scan : scans) {
+    if (scan.reject_reason != RejectReason::kNone) ++count[scan.reject_reason];
+  }
+  return count;
+}
+
+std::size_t LocalizedRun::rolled_back() const {
+  return std::accumulate(scans.begin(), scans.end(), std::size_t{0},
+                         [](std::size_t sum, const ScanResult& scan) { return sum + scan.rolled_back; });
+}
+
 bool LocalizedRun::is_hardly_tracked() const {
-  constexpr std::size_t kHardly = 5;  // one in five
+  constexpr std::size_t kHardly = 3;  // one in three
   return kHardly * count(TrackingState::kTracking) < scans.size();
 }
 
@@ -159,9 +177,9 @@ std::pair<double, double> LocalizedRun::way() const {
   double all = 0;
   std::optional<std::size_t> last;
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    if (scans[i].second.reject_reason != RejectReason::kNone) continue;
-    const Eigen::Vector3d& p_map = scans[i].second.T_map_sensor.translation;
-    const double step = last ? (p_map - scans[*last].second.T_map_sensor.translation).norm() : 0;
+    if (!scans[i].is_believed()) continue;
+    const Eigen::Vector3d& p_map = scans[i].T_map_sensor.translation;
+    const double step = last ? (p_map - scans[*last].T_map_sensor.translation).norm() : 0;
     all += step;
     if (last && *last + 1 == i) believed += step;
     last = i;
@@ -174,10 +192,10 @@ void write_states(const std::filesystem::path& path, const LocalizedRun& run) {
   file.write(
       "time,state,reason,written,inliers,contradicting,unobservable,x,y,z,qx,qy,qz,qw,sigma_x,sigma_y,"
       "sigma_z,sigma_roll,sigma_pitch,sigma_yaw\n");
-  for (const auto& [time, scan] : run.scans) {
+  for (const ScanResult& scan : run.scans) {
     const Eigen::Vector3d& t = scan.T_map_sensor.translation;
     const Eigen::Quaterniond q(scan.T_map_sensor.rotation);
-    std::string row = fmt::format("{:.6f},{},{},{:d},{:.4f},{:.4f},\"{}\"", time, to_string(scan.state),
+    std::string row = fmt::format("{:.6f},{},{},{:d},{:.4f},{:.4f},\"{}\"", scan.time, to_string(scan.state),
                                   to_string(scan.reject_reason), scan.is_written, scan.inlier_fraction,
                                   scan.contradicting_fraction.value_or(0), scan.unobservable);
     for (const double value : {t.x(), t.y(), t.z()}) row += fmt::format(",{:.6f}", value);
@@ -190,15 +208,16 @@ void write_states(const std::filesystem::path& path, const LocalizedRun& run) {
 
 Json to_json(const LocalizedRun& run) {
   Json states;
-  for (std::size_t i = 0; i < run.states.size(); ++i) {
-    states[std::string(to_string(static_cast<TrackingState>(i)))] = run.states[i];
+  for (const auto state :
+       {TrackingState::kStarting, TrackingState::kTracking, TrackingState::kDegraded, TrackingState::kLost}) {
+    states[std::string(to_string(state))] = run.count(state);
   }
   Json rejections = Json::object();
-  for (const auto& [reason, scans] : run.rejections) rejections[std::string(to_string(reason))] = scans;
+  for (const auto& [reason, scans] : run.rejections()) rejections[std::string(to_string(reason))] = scans;
   const auto [believed, all] = run.way();
   Json json = {{"states", states},
                {"rejections", rejections},
-               {"rolled_back", run.rolled_back},
+               {"rolled_back", run.rolled_back()},
                {"with_odometry", run.with_odometry},
                {"way", {{"length", all}, {"tracked", believed}}}};
   json.update(to_json(run.run));
@@ -215,12 +234,12 @@ std::string to_text(const LocalizedRun& run) {
   const auto [believed, all] = run.way();
   text +=
       fmt::format("way      {:.1f} m, {:.1f} % of it tracked\n", all, all > 0 ? 100 * believed / all : 100);
-  for (const auto& [reason, scans] : run.rejections) {
+  for (const auto& [reason, scans] : run.rejections()) {
     text += fmt::format("         {} rejected: {}{}\n", scans, to_string(reason), advice(reason));
   }
-  const auto written = static_cast<std::size_t>(
-      std::count_if(run.scans.begin(), run.scans.end(), [](const std::pair<double, ScanResult>& scan) {
-        return scan.second.is_written && scan.second.state == TrackingState::kTracking;
+  const auto written =
+      static_cast<std::size_t>(std::count_if(run.scans.begin(), run.scans.end(), [](const ScanResult& scan) {
+        return scan.is_written && scan.state == TrackingState::kTracking;
       }));
   if (written > 0 && written < run.count(TrackingState::kTracking)) {
     text +=
@@ -228,8 +247,8 @@ std::string to_text(const LocalizedRun& run) {
                     run.count(TrackingState::kTracking) - written);
   }
   if (run.with_odometry > 0) text += fmt::format("odometry for {} scans\n", run.with_odometry);
-  if (run.rolled_back > 0)
-    text += fmt::format("         the changes of {} scans were rolled back\n", run.rolled_back);
+  if (const std::size_t undone = run.rolled_back(); undone > 0)
+    text += fmt::format("         the changes of {} scans were rolled back\n", undone);
   return text + to_text(run.run);
 }
 

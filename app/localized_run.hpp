@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -35,19 +34,20 @@ void add_odometry_options(CLI::App& verb, LocalizedScans& options);
 /// What became of them.
 struct LocalizedRun {
   Run run;
-  std::vector<StampedPose> trajectory;  ///< T_map_sensor of the scans that passed, and of no others
-  std::vector<std::pair<double, ScanResult>> scans;  ///< time [s] and result of every scan
-  std::array<std::size_t, 4> states{};               ///< scans by TrackingState
-  std::map<RejectReason, std::size_t> rejections;    ///< scans that were not believed or not written
-  std::size_t with_odometry = 0;                     ///< scans whose pose the odometry told
-  std::size_t rolled_back = 0;                       ///< scans whose changes were undone
+  std::vector<StampedPose> trajectory;  ///< T_map_sensor of the scans that are believed, and of no others
+  std::vector<ScanResult> scans;        ///< all
+  std::size_t with_odometry = 0;        ///< scans whose pose the odometry told
 
-  bool is_lost() const { return !scans.empty() && scans.back().second.state == TrackingState::kLost; }
-  /// Less than a fifth of the scans: the trajectory and a map made along it are worth nothing.
+  bool is_lost() const { return !scans.empty() && scans.back().state == TrackingState::kLost; }
+  /// Less than a third of the scans: the trajectory and a map made along it are worth nothing.
   bool is_hardly_tracked() const;
   /// Lengths of the way [m]: where scan after scan was believed, and in all; gaps count as straight.
   std::pair<double, double> way() const;
-  std::size_t count(TrackingState state) const { return states[static_cast<std::size_t>(state)]; }
+  std::size_t count(TrackingState state) const;
+  /// How many scans were not believed or not written, and why.
+  std::map<RejectReason, std::size_t> rejections() const;
+  /// Scans whose changes were undone.
+  std::size_t rolled_back() const;
 };
 
 /// [s] How long a scan takes: what the user says, or else the scans' own times if they differ clearly from

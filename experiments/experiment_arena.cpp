@@ -151,14 +151,17 @@ Json run_trial(std::uint64_t seed) {
                            trial.maintains ? MapMode::kMaintenance : MapMode::kLocalization,
                            start_of(trial, drive.poses.front()));
   Odometry odometry(trial.odometry);
+  std::vector<ScanResult> results;
+  for (std::size_t i = 0; i < drive.scans.size(); ++i) {
+    append(results, maintainer.process(drive.scans[i], drive.driven.time(i), odometry.next(drive.poses[i])));
+  }
   int observable = 0;
   int tracked = 0;
   int wrong = 0;
   int wrong_written = 0;
   std::vector<double> errors;
   for (std::size_t i = 0; i < drive.scans.size(); ++i) {
-    const ScanResult found =
-        maintainer.process(drive.scans[i], drive.driven.time(i), odometry.next(drive.poses[i]));
+    const ScanResult& found = results[i];
     const PoseJudge judge(world, drive.at_end[i], drive.worlds_pose[i]);
     observable += judge.is_observable() ? 1 : 0;
     if (!found.is_believed()) continue;

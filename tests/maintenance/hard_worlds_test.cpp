@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -52,17 +53,20 @@ Outcome run(MapMaintainer& maintainer, const Scene& scene, const LidarModel& lid
             const std::function<Pose(double time)>& truth, const Pose& T_truth_map = {},
             bool has_odometry = false) {
   const Simulator simulator(scene);
-  Outcome result;
+  std::vector<ScanResult> all;
   for (std::size_t i = 0; i < scans; ++i) {
     const double time = kPeriod * static_cast<double>(i + 1);
     const Pose T_true = truth(time);
-    const ScanResult found = maintainer.process(simulator.scan(T_true, lidar, i), time,
-                                                has_odometry ? std::optional(T_true) : std::nullopt);
-    result.last = found.state;
+    append(all, maintainer.process(simulator.scan(T_true, lidar, i), time,
+                                   has_odometry ? std::optional(T_true) : std::nullopt));
+  }
+  Outcome result;
+  result.last = maintainer.state();
+  for (const ScanResult& found : all) {
     result.written += found.is_written;
     if (!found.is_believed()) continue;
     ++result.believed;
-    const Twist off = difference(T_true, T_truth_map * found.T_map_sensor);
+    const Twist off = difference(truth(found.time), T_truth_map * found.T_map_sensor);
     result.worst = std::max(result.worst, off.head<3>().norm());
     result.worst_turn = std::max(result.worst_turn, off.tail<3>().norm());
   }

@@ -184,6 +184,40 @@ TEST_F(ClosedLoopTest, FollowsTheSensorAndWritesWhatItBelieves) {
   EXPECT_FALSE(image_of(maintainer.map()) == image_of(map_));
 }
 
+/// Not before the motion is known; then its first scans are located again, deskewed, and written.
+TEST_F(ClosedLoopTest, BelievesTheScansOfAStartOnceTheMotionIsKnown) {
+  for (const bool has_odometry : {false, true}) {
+    const std::size_t starting = has_odometry ? 1 : 2;
+    MapMaintainer maintainer(map_, {}, MapMode::kMaintenance, truth(0));
+    std::vector<ScanResult> run;
+    for (std::size_t i = 0; i < 5; ++i) {
+      const ScanResult result =
+          maintainer.process(look(i), time(i), has_odometry ? std::optional(truth(i)) : std::nullopt);
+      EXPECT_EQ(result.is_believed(), i >= starting) << i;
+      EXPECT_EQ(result.confirmed.size(), i == starting ? starting : 0) << i;
+      append(run, result);
+    }
+    ASSERT_EQ(run.size(), 5U);
+    for (std::size_t i = 0; i < run.size(); ++i) {
+      EXPECT_EQ(run[i].time, time(i));
+      EXPECT_TRUE(run[i].is_believed()) << i;
+      EXPECT_TRUE(run[i].is_written) << i;
+      EXPECT_TRUE(run[i].confirmed.empty()) << i;
+      EXPECT_LT((run[i].T_map_sensor.translation - truth(i).translation).norm(), 0.02) << i;
+    }
+  }
+}
+
+TEST_F(ClosedLoopTest, DoesNotBelieveAStartThatNothingConfirms) {
+  MapMaintainer maintainer(map_, {}, MapMode::kMaintenance, truth(0));
+  std::vector<ScanResult> run;
+  append(run, maintainer.process(look(0), time(0)));
+  for (std::size_t i = 1; i < 8; ++i) append(run, maintainer.process(Scan{}, time(i)));
+  EXPECT_EQ(maintainer.state(), TrackingState::kLost);
+  for (const ScanResult& scan : run) EXPECT_FALSE(scan.is_believed() || scan.is_written);
+  EXPECT_TRUE(image_of(maintainer.map()) == image_of(map_));
+}
+
 TEST_F(ClosedLoopTest, LocalizationAloneChangesNothing) {
   MapMaintainer maintainer(map_, {}, MapMode::kLocalization, truth(0));
   for (std::size_t i = 0; i < 5; ++i) {
@@ -201,6 +235,11 @@ TEST_F(ClosedLoopTest, WithoutAMapTheFirstScanMakesIt) {
     EXPECT_EQ(first.T_map_sensor.translation, truth(0).translation);
     EXPECT_EQ(first.state, TrackingState::kStarting);
     EXPECT_GT(occupied_leaves(maintainer.map()), 100U);
+    EXPECT_FALSE(first.is_believed());
+    const ScanResult second = maintainer.process(look(1), time(1));
+    ASSERT_EQ(second.confirmed.size(), 1U);
+    EXPECT_TRUE(second.confirmed[0].is_believed());
+    EXPECT_EQ(second.confirmed[0].T_map_sensor.translation, truth(0).translation);
   }
 }
 
@@ -217,7 +256,7 @@ TEST_F(ClosedLoopTest, RollsBackWhenTheRobotIsLost) {
       rolled_back += maintainer.process(Scan{}, time(i), truth(i)).rolled_back;
     }
     EXPECT_EQ(maintainer.state(), TrackingState::kLost);
-    EXPECT_EQ(rolled_back, held == 0 ? 0U : 5U);
+    EXPECT_EQ(rolled_back, held == 0 ? 0U : 6U);
     EXPECT_EQ(image_of(maintainer.map()) == image_of(map_), held > 0);
   }
 }

@@ -75,7 +75,7 @@ Scan Localizer::undistorted(const Scan& raw, const Twist& velocity) const {
 
 double Localizer::slack(double time) const {
   constexpr double kPeriod = 0.1;  // [s] that the gate's distances are for
-  return std::max(1.0, (time - last_->time) / kPeriod);
+  return std::max(1.0, std::abs(time - last_->time) / kPeriod);
 }
 
 bool Localizer::has_odometry(const Localization& found) const {
@@ -103,14 +103,32 @@ bool Localizer::odometry_jumps(double time, const std::optional<Pose>& T_odom_se
 Localization Localizer::propose(const Octree& map, const Scan& raw, double time,
                                 const std::optional<Pose>& T_odom_sensor, const Contradicting& contradicting,
                                 Effort effort) const {
+  if (!last_time_ || time > *last_time_) {
+    return locate(map, raw, time, T_odom_sensor, contradicting, effort);
+  }
   Localization found;
   found.time = time;
   found.T_odom_sensor = T_odom_sensor;
-  if (last_time_ && time <= *last_time_) {
-    found.T_map_sensor = found.T_map_sensor_predicted = predict(time, T_odom_sensor);
-    found.reject_reason = RejectReason::kTimeNotLater;
-    return found;
-  }
+  found.T_map_sensor = found.T_map_sensor_predicted = predict(time, T_odom_sensor);
+  found.reject_reason = RejectReason::kTimeNotLater;
+  return found;
+}
+
+Localization Localizer::propose_earlier(const Octree& map, const Scan& raw, double time,
+                                        const std::optional<Pose>& T_odom_sensor,
+                                        const Contradicting& contradicting) const {
+  Localization found = locate(map, raw, time, T_odom_sensor, contradicting, Effort::kUsual);
+  if (found.passes() && found.odometry_jumps) found.reject_reason = RejectReason::kOdometryJumps;
+  found.state = found.passes() ? TrackingState::kTracking : TrackingState::kDegraded;
+  return found;
+}
+
+Localization Localizer::locate(const Octree& map, const Scan& raw, double time,
+                               const std::optional<Pose>& T_odom_sensor, const Contradicting& contradicting,
+                               Effort effort) const {
+  Localization found;
+  found.time = time;
+  found.T_odom_sensor = T_odom_sensor;
   found.odometry_jumps = odometry_jumps(time, T_odom_sensor);
   found.T_map_sensor_predicted = predict(time, found.odometry_jumps ? std::nullopt : T_odom_sensor);
   found.motion_is_known = last_ && !is_lost() && (velocity_ || has_odometry(found));

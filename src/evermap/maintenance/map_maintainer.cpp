@@ -3,6 +3,7 @@
 #include <chrono>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 #include <evermap/localization/detail/localizer.hpp>
 #include <evermap/maintenance/detail/point_counts.hpp>
@@ -40,37 +41,39 @@ class MapMaintainer::Loop {
 
   ScanResult process(const Scan& raw, double time, const std::optional<Pose>& T_odom_sensor) {
     ScanResult result;
+    result.time = time;
     result.points = count_points(raw, {});                  // as long as it is not condensed
     if (map_.empty() && mode_ != MapMode::kLocalization) {  // the first scan lies where it is put
-      first_ = First{raw, localizer_.predict(time, T_odom_sensor), time, T_odom_sensor};
-      begin_map(raw, std::nullopt, result);
-      result.state = TrackingState::kStarting;
-      return result;
+      result.T_map_sensor = localizer_.predict(time, T_odom_sensor);
+      start_ = {{raw, T_odom_sensor, result}};
+      begins_map_ = true;
+      begin_map(raw, std::nullopt);
+      return start_.front().result;
     }
-    Localization found = locate(raw, time, T_odom_sensor, Effort::kUsual, result);
-    if (first_ && found.passes()) {
-      begin_map(localizer_.undistorted(first_->raw, found.motion), found.motion, result);
-      first_.reset();
-      found = locate(raw, time, T_odom_sensor, Effort::kUsual, result);
+    Localization found = propose(raw, time, T_odom_sensor, Effort::kUsual, result);
+    if (begins_map_ && found.passes()) {
+      begin_map(localizer_.undistorted(start_.front().raw, found.motion), found.motion);
+      begins_map_ = false;
+      found = propose(raw, time, T_odom_sensor, Effort::kUsual, result);
     }
-    const auto write_found = [&](auto change) {
-      if (!found.is_writable() || (mode_ == MapMode::kMaintenance && !found.is_precise())) return;
-      write(found.scan, found.T_map_sensor, result, change);
-      found.reject_reason = result.reject_reason;
-    };
-    if (mode_ == MapMode::kMapping) write_found(&Loop::add_to_map);
-    if (mode_ == MapMode::kMaintenance) write_found(&Loop::update_if_usual);
+    write_found(found, result);
     if (found.reject_reason == RejectReason::kContradictsMap) {  // is the map outdated, or the pose wrong?
       result.reject_reason = RejectReason::kNone;
-      found = locate(raw, time, T_odom_sensor, Effort::kThorough, result);
-      write_found(&Loop::update_reversibly);
+      found = propose(raw, time, T_odom_sensor, Effort::kThorough, result);
+      write_found(found, result, &Loop::update_reversibly);
     }
     if (result.contradicting_fraction) found.contradicting_fraction = result.contradicting_fraction;
     const TrackingState before = localizer_.state();
     localizer_.conclude(found);
-    if (found.state == TrackingState::kLost && before != TrackingState::kLost)
-      result.rolled_back = roll_back();
     tell(found, result);
+    if (found.state == TrackingState::kLost) {
+      if (before != TrackingState::kLost) result.rolled_back = roll_back();
+      start_.erase(start_.begin() + (begins_map_ ? 1 : 0), start_.end());
+    } else if (found.motion_is_known && found.passes()) {
+      result.confirmed = confirm_start();
+    } else if (!found.motion_is_known && found.registration.converged()) {
+      start_.push_back({raw, T_odom_sensor, result});
+    }
     return result;
   }
 
@@ -103,16 +106,19 @@ class MapMaintainer::Loop {
   TrackingState state() const { return localizer_.state(); }
 
  private:
-  /// The scan that a map began with, until the next tells how the sensor moved in it.
-  struct First {
+  /// A scan from before the motion was known, so that its pose could not be believed.
+  struct StartScan {
     Scan raw;
-    Pose T_map_sensor;
-    double time;  ///< [s]
     std::optional<Pose> T_odom_sensor;
+    ScanResult result;
   };
 
-  /// Makes a map of the first scan alone.
-  void begin_map(const Scan& scan, const std::optional<Twist>& velocity, ScanResult& result) {
+  /// Makes a map of the first scan alone, which is believed as soon as the motion is known.
+  void begin_map(const Scan& scan, const std::optional<Twist>& velocity) {
+    StartScan& first = start_.front();
+    ScanResult result;
+    result.time = first.result.time;
+    result.state = velocity ? TrackingState::kTracking : TrackingState::kStarting;
     {
       const std::lock_guard lock(changing_);
       map_ = Octree(map_.grid());
@@ -122,20 +128,57 @@ class MapMaintainer::Loop {
       const double edge = least_mapping_edge(scan, parameters_.lidar);
       if (edge > map_.grid().edge) wide_map_ = Octree(VoxelGrid{edge});
     }
-    write(scan, first_->T_map_sensor, result, &Loop::add_to_map);
-    localizer_.begin(first_->T_map_sensor, first_->time, first_->T_odom_sensor, velocity);
+    write(scan, first.result.T_map_sensor, result, &Loop::add_to_map);
+    localizer_.begin(result.T_map_sensor, result.time, first.T_odom_sensor, velocity);
+    first.result = std::move(result);
   }
 
-  Localization locate(const Scan& scan, double time, const std::optional<Pose>& T_odom_sensor, Effort effort,
-                      ScanResult& result) {
-    const auto contradicting = [&](const Scan& there, const Pose& T_map_sensor) {
-      const BundleGrid bundles = condense(there, T_map_sensor, map_.grid(), parameters_.lidar);
+  /// Locates the scans of the start once more and gives them to the map, now that the motion is known.
+  std::vector<ScanResult> confirm_start() {
+    std::vector<ScanResult> confirmed;
+    for (const auto& [raw, T_odom_sensor, before] : std::exchange(start_, {})) {
+      ScanResult result = before;
+      if (!before.is_believed()) {  // unlike the scan that the map began with
+        result.reject_reason = RejectReason::kNone;
+        Localization found = timed(result.times.locate, [&] {
+          return localizer_.propose_earlier(registered_to(), raw, before.time, T_odom_sensor,
+                                            contradicting());
+        });
+        write_found(found, result);
+        tell(found, result);
+      }
+      if (result.is_believed()) confirmed.push_back(std::move(result));
+    }
+    return confirmed;
+  }
+
+  const Octree& registered_to() const { return wide_map_ ? *wide_map_ : map_; }
+
+  Contradicting contradicting() const {
+    return [this](const Scan& scan, const Pose& T_map_sensor) {
+      const BundleGrid bundles = condense(scan, T_map_sensor, map_.grid(), parameters_.lidar);
       return contradicting_fraction(trace(map_, bundles, parameters_.update), bundles);
     };
+  }
+
+  Localization propose(const Scan& scan, double time, const std::optional<Pose>& T_odom_sensor, Effort effort,
+                       ScanResult& result) const {
     return timed(result.times.locate, [&] {
-      return localizer_.propose(wide_map_ ? *wide_map_ : map_, scan, time, T_odom_sensor, contradicting,
-                                effort);
+      return localizer_.propose(registered_to(), scan, time, T_odom_sensor, contradicting(), effort);
     });
+  }
+
+  using Change = void (Loop::*)(const BundleGrid&, ScanResult&);
+
+  /// Gives the map a scan that was located, as far as its pose is known well enough for that.
+  void write_found(Localization& found, ScanResult& result, Change change) {
+    if (!found.is_writable() || (mode_ == MapMode::kMaintenance && !found.is_precise())) return;
+    write(found.scan, found.T_map_sensor, result, change);
+    found.reject_reason = result.reject_reason;
+  }
+  void write_found(Localization& found, ScanResult& result) {
+    if (mode_ == MapMode::kMapping) write_found(found, result, &Loop::add_to_map);
+    if (mode_ == MapMode::kMaintenance) write_found(found, result, &Loop::update_if_usual);
   }
 
   static void tell(const Localization& found, ScanResult& result) {
@@ -152,8 +195,7 @@ class MapMaintainer::Loop {
   }
 
   /// Gives the map the scan's bundles, unless it has none or `change` rejects them.
-  void write(const Scan& scan, const Pose& T_map_sensor, ScanResult& result,
-             void (Loop::*change)(const BundleGrid&, ScanResult&)) {
+  void write(const Scan& scan, const Pose& T_map_sensor, ScanResult& result, Change change) {
     result.T_map_sensor = T_map_sensor;
     const BundleGrid bundles = timed(
         result.times.condense, [&] { return condense(scan, T_map_sensor, map_.grid(), parameters_.lidar); });
@@ -208,10 +250,10 @@ class MapMaintainer::Loop {
   }
 
   /// Nobody reads the map while it changes.
-  template <class Change>
-  void apply_changes(ScanResult& result, Change&& change) {
+  template <class Apply>
+  void apply_changes(ScanResult& result, Apply&& apply_change) {
     const std::lock_guard lock(changing_);
-    const LeafChanges changes = timed(result.times.apply, change);
+    const LeafChanges changes = timed(result.times.apply, apply_change);
     result.leaves_occupied += changes.occupied;
     result.leaves_erased += changes.erased;
   }
@@ -229,7 +271,8 @@ class MapMaintainer::Loop {
   Parameters parameters_;
   MapMode mode_;
   Localizer localizer_;
-  std::optional<First> first_;
+  std::vector<StartScan> start_;  ///< until the motion is known
+  bool begins_map_ = false;       ///< the map is of start_.front() alone, which is not deskewed yet
   Viewpoint viewpoint_;
   Rollback rollback_;
   GoneLeaves gone_;

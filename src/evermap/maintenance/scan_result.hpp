@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -37,6 +38,7 @@ struct ScanResult {
     double apply = 0;     ///< [s] the map changed
   };
 
+  double time = 0;                                   ///< [s] when it ended, of a scan that was located
   Pose T_map_sensor;                                 ///< where the scan ended; see is_believed()
   TrackingState state = TrackingState::kTracking;    ///< after this scan
   RejectReason reject_reason = RejectReason::kNone;  ///< why the scan is not believed, or not written
@@ -56,10 +58,17 @@ struct ScanResult {
   PointCounts points;
   Times times;
 
+  /// Earlier scans that are believed since this one: those of a start, once the motion is known. In the order
+  /// of their times; they take the places of the results that were given for these scans before.
+  std::vector<ScanResult> confirmed;
+
   /// Nothing else is to be used as the robot's pose.
   bool is_believed() const {
     return reject_reason == RejectReason::kNone && state == TrackingState::kTracking;
   }
 };
+
+/// Adds the result of a run's next scan, and puts the results that it confirms in their places.
+void append(std::vector<ScanResult>& run, ScanResult result);
 
 }  // namespace evermap

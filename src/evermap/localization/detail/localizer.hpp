@@ -78,6 +78,12 @@ class Localizer {
                        const std::optional<Pose>& T_odom_sensor, const Contradicting& contradicting = {},
                        Effort effort = Effort::kUsual) const;
 
+  /// The same for a scan from before the last pose that passed, whose motion was not known at its time. Its
+  /// state is set, too: it is not to be concluded.
+  Localization propose_earlier(const Octree& map, const Scan& raw, double time,
+                               const std::optional<Pose>& T_odom_sensor,
+                               const Contradicting& contradicting) const;
+
   /// Whether so many contradictions are unusual.
   bool is_contradicting(double fraction) const { return gate_.is_contradicting(fraction); }
 
@@ -97,6 +103,9 @@ class Localizer {
     std::optional<Pose> T_odom_sensor;
   };
 
+  Localization locate(const Octree& map, const Scan& raw, double time,
+                      const std::optional<Pose>& T_odom_sensor, const Contradicting& contradicting,
+                      Effort effort) const;
   /// How much wider the gate is for a prediction over more than one period. REQUIRES: there was a fix.
   double slack(double time) const;
   double slack(const Localization& found) const;
