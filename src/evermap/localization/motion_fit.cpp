@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -20,22 +21,24 @@ constexpr int kParts = 8;  ///< of a scan, equally long
 
 using Parts = std::array<NormalEquations, kParts>;
 
-/// Indices of points all over a scan, some thousands in all. An odd step meets all beams of a sensor in turn.
-std::vector<std::size_t> some_points(std::size_t count) {
+/// Points all over a scan, some thousands in all. An odd step meets all beams of a sensor in turn.
+Scan thinned(const Scan& scan) {
   constexpr std::size_t kPoints = 8000;
-  const std::size_t step = count / kPoints | 1;
-  std::vector<std::size_t> some;
-  some.reserve(count / step + 1);
-  for (std::size_t i = 0; i < count; i += step) some.push_back(i);
-  return some;
+  const std::size_t step = scan.p_sensor.size() / kPoints | 1;
+  Scan thin;
+  for (std::size_t i = 0; i < scan.p_sensor.size(); i += step) {
+    thin.p_sensor.push_back(scan.p_sensor[i]);
+    if (!scan.time_offset.empty()) thin.time_offset.push_back(scan.time_offset[i]);
+  }
+  return thin;
 }
 
-/// What each part of the scan says about the pose at which all of it was registered.
-Parts equations_of_parts(const Octree& map, const Scan& raw, const Scan& deskewed, const Pose& T_map_sensor,
+/// What each part of a scan that was deskewed says about its pose.
+Parts equations_of_parts(const Octree& map, const Scan& deskewed, const Pose& T_map_sensor,
                          const LidarParameters& lidar, const RegistrationParameters& parameters) {
   std::array<Scan, kParts> parts;
-  for (const std::size_t i : some_points(deskewed.p_sensor.size())) {
-    const double fraction = fraction_at(raw.time_offset[i], lidar.scan_period);
+  for (std::size_t i = 0; i < deskewed.p_sensor.size(); ++i) {
+    const double fraction = fraction_at(deskewed.time_offset[i], lidar.scan_period);
     const int part = std::clamp(static_cast<int>(fraction * kParts), 0, kParts - 1);
     parts[part].p_sensor.push_back(deskewed.p_sensor[i]);
   }
@@ -65,9 +68,9 @@ struct Deviation {
     return offset + fraction * drift + std::max(0.0, fraction - bend) * turn;
   }
 
-  Twist offset, drift, turn;
-  double bend;  ///< fraction of the scan; 1 when there is none
-  double cost;  ///< twice the negative logarithm of its likelihood, but for a constant
+  Twist offset = Twist::Zero(), drift = Twist::Zero(), turn = Twist::Zero();
+  double bend = 1;  ///< fraction of the scan; 1 when there is none
+  double cost = 0;  ///< twice the negative logarithm of its likelihood, but for a constant
 };
 
 /// The likeliest deviation with this bend, from the pose at which the parts' equations were found.
@@ -75,26 +78,30 @@ Deviation fit(const Parts& parts, double bend, const Pose& T_map_sensor, const T
               const MotionPrior& prior) {
   using Vector18 = Eigen::Matrix<double, 18, 1>;
   using Matrix18 = Eigen::Matrix<double, 18, 18>;
-  const Matrix6 of_turn = within(0.5, 8 * kDegree);  // in 0.1 s, vehicles do not do more
+  const Matrix6 of_turn = within(0.15, 8 * kDegree);  // in 0.1 s, vehicles do not do more
   Matrix18 information = Matrix18::Zero();
   information.block<6, 6>(0, 0) = prior.begin.covariance.inverse();
   information.block<6, 6>(6, 6) = prior.drift.inverse();
   information.block<6, 6>(12, 12) = of_turn.inverse();
   Vector18 pull = Vector18::Zero();
   pull.head<6>() = information.block<6, 6>(0, 0) * begin;
-  const auto add = [&](double fraction, const Matrix6& hessian, const Twist& towards) {
-    const Eigen::Vector3d weights(1, fraction, std::max(0.0, fraction - bend));
+  const auto add = [&](double fraction, double since_bend, const Matrix6& hessian, const Twist& towards) {
+    const Eigen::Vector3d weights(1, fraction, since_bend);
     for (int i = 0; i < 3; ++i) {
       pull.segment<6>(6 * i) += weights[i] * towards;
       for (int j = 0; j < 3; ++j) information.block<6, 6>(6 * i, 6 * j) += weights[i] * weights[j] * hessian;
     }
   };
   for (int part = 0; part < kParts; ++part) {
-    add((part + 0.5) / kParts, parts[part].hessian, -parts[part].gradient);
+    const double from = std::clamp(bend - static_cast<double>(part) / kParts, 0.0, 1.0 / kParts);
+    const double left = 1.0 / kParts - from;
+    const double since_bend = std::max(0.0, static_cast<double>(part) / kParts - bend);
+    add((part + 0.5) / kParts, since_bend + left * left * kParts / 2, parts[part].hessian,
+        -parts[part].gradient);
   }
   if (prior.end) {
     const Matrix6 of_end = prior.end->covariance.inverse();
-    add(1, of_end, of_end * difference(T_map_sensor, prior.end->T_map_sensor));
+    add(1, 1 - bend, of_end, of_end * difference(T_map_sensor, prior.end->T_map_sensor));
   }
   const Vector18 x = information.ldlt().solve(pull);
   return {x.head<6>(), x.segment<6>(6), x.tail<6>(), bend, -x.dot(pull)};
@@ -104,46 +111,97 @@ Pose end_of(const Pose& T_map_begin, const ScanMotion& motion, double duration) 
   return T_map_begin * motion.pose_at(0, duration).inverse();
 }
 
+/// The likeliest deviations from an assumed motion, of one velocity and of two, and what they come to.
+class MotionFit {
+ public:
+  /// `deskewed` by the assumed motion.
+  MotionFit(const Octree& map, const Scan& deskewed, const MovingPose& assumed, const MotionPrior& prior,
+            const LidarParameters& lidar, const RegistrationParameters& parameters)
+      : assumed_(assumed),
+        period_(lidar.scan_period),
+        least_shift_(std::max(0.02, map.grid().edge / 20)),
+        least_turn_(std::max(0.15 * kDegree, least_shift_ / 10)) {
+    Parts parts = equations_of_parts(map, deskewed, assumed.T_map_sensor, lidar, parameters);
+    NormalEquations all;
+    for (const NormalEquations& part : parts) all += part;
+    if (all.inliers == 0) return;
+    for (NormalEquations& part : parts)
+      part = as_far_as_believed(part, all.mean_inlier_error(), map.grid().edge);
+    const Pose T_map_sensor_expected = end_of(prior.begin.T_map_sensor, assumed.motion, period_);
+    const Twist begin = difference(assumed.T_map_sensor, T_map_sensor_expected);
+    steady_ = fit(parts, 1, assumed.T_map_sensor, begin, prior);
+    bent_ = steady_;
+    const auto try_bend = [&](double bend) {
+      const Deviation next = fit(parts, bend, assumed.T_map_sensor, begin, prior);
+      if (next.cost < bent_.cost) bent_ = next;
+    };
+    for (int i = 1; i < kParts; ++i) try_bend(static_cast<double>(i) / kParts);
+    if (bent_.bend == 1) return;
+    for (const double finer : {0.5 / kParts, 0.25 / kParts, 0.125 / kParts}) {
+      const double around = bent_.bend;
+      for (const double side : {-1, 1}) try_bend(around + side * finer);
+    }
+  }
+
+  /// At the one velocity, or the two, that explain the scan better; none where that is about the same.
+  std::optional<MovingPose> steady() const {
+    if (!matters(steady_.at(1)) && !matters(steady_.drift / 4)) return std::nullopt;
+    return moved_by(steady_);
+  }
+  std::optional<MovingPose> bent() const {
+    constexpr double kLeastGain = 15;  // of cost: what explains less is noise
+    const bool gains = assumed_.motion.bend > 0 || bent_.cost < steady_.cost - kLeastGain;
+    if (!gains || (!matters(bent_.at(1)) && !matters(bent_.at(bent_.bend)))) return std::nullopt;
+    return moved_by(bent_);
+  }
+
+ private:
+  bool matters(const Twist& twist) const {
+    return twist.head<3>().norm() > least_shift_ || twist.tail<3>().norm() > least_turn_;
+  }
+
+  MovingPose moved_by(const Deviation& deviation) const {
+    const auto T_map_then = [&](double fraction) {
+      return perturb(assumed_.T_map_sensor, deviation.at(fraction)) *
+             assumed_.motion.pose_at(fraction, period_);
+    };
+    const auto velocity = [&](double from, double to) {
+      return Twist(log(T_map_then(from).inverse() * T_map_then(to)) / ((to - from) * period_));
+    };
+    const double bend = deviation.bend == 1 ? assumed_.motion.bend : deviation.bend;
+    if (bend == 0) return {ScanMotion::steady(velocity(0, 1)), T_map_then(1)};
+    return {{velocity(0, bend), velocity(bend, 1), bend}, T_map_then(1)};
+  }
+
+  MovingPose assumed_;
+  double period_;       ///< [s]
+  double least_shift_;  ///< [m] below which nothing is to be gained
+  double least_turn_;   ///< [rad]
+  Deviation steady_, bent_;
+};
+
 }  // namespace
 
 std::vector<MovingPose> fit_motion(const Octree& map, const Scan& raw, const Scan& deskewed,
                                    const MovingPose& assumed, const MotionPrior& prior,
                                    const LidarParameters& lidar, const RegistrationParameters& parameters) {
-  constexpr double kLeastGain = 15;  // of cost: what explains less is noise
-  const double period = lidar.scan_period;
-  Parts parts = equations_of_parts(map, raw, deskewed, assumed.T_map_sensor, lidar, parameters);
-  NormalEquations all;
-  for (const NormalEquations& part : parts) all += part;
-  if (all.inliers == 0) return {};
-  for (NormalEquations& part : parts)
-    part = as_far_as_believed(part, all.mean_inlier_error(), map.grid().edge);
-  const Pose T_map_sensor_expected = end_of(prior.begin.T_map_sensor, assumed.motion, period);
-  const Twist begin = difference(assumed.T_map_sensor, T_map_sensor_expected);
-  const double least_shift = std::max(0.02, map.grid().edge / 20);  // [m] below which nothing is to be gained
-  const double least_turn = std::max(0.15 * kDegree, least_shift / 10);
-  const auto matters = [&](const Twist& twist) {
-    return twist.head<3>().norm() > least_shift || twist.tail<3>().norm() > least_turn;
-  };
-  const Deviation steady = fit(parts, 1, assumed.T_map_sensor, begin, prior);
-  Deviation bent = steady;
-  for (int i = 1; i < kParts; ++i) {
-    const Deviation next = fit(parts, static_cast<double>(i) / kParts, assumed.T_map_sensor, begin, prior);
-    if (next.cost < bent.cost) bent = next;
-  }
-  const auto moved_by = [&](const Deviation& deviation) {
-    const auto T_map_then = [&](double fraction) {
-      return perturb(assumed.T_map_sensor, deviation.at(fraction)) * assumed.motion.pose_at(fraction, period);
-    };
-    const auto velocity = [&](double from, double to) {
-      return Twist(log(T_map_then(from).inverse() * T_map_then(to)) / ((to - from) * period));
-    };
-    const double bend = deviation.bend == 1 ? assumed.motion.bend : deviation.bend;
-    if (bend == 0) return MovingPose{ScanMotion::steady(velocity(0, 1)), T_map_then(1)};
-    return MovingPose{{velocity(0, bend), velocity(bend, 1), bend}, T_map_then(1)};
+  constexpr int kSteps = 6;
+  Scan still = thinned(deskewed);
+  const Scan thin = thinned(raw);
+  still.time_offset = thin.time_offset;
+  const MotionFit first(map, still, assumed, prior, lidar, parameters);
+  const auto refined = [&](MovingPose at, auto next) {
+    for (int i = 1; i < kSteps; ++i) {
+      still.p_sensor = deskew(thin, at.motion, lidar.scan_period).p_sensor;
+      const auto better = (MotionFit(map, still, at, prior, lidar, parameters).*next)();
+      if (!better) break;
+      at = *better;
+    }
+    return at;
   };
   std::vector<MovingPose> better;
-  if (matters(steady.at(1)) || matters(steady.drift / 4)) better.push_back(moved_by(steady));
-  if (bent.cost < steady.cost - kLeastGain && matters(bent.at(1))) better.push_back(moved_by(bent));
+  if (const auto steady = first.steady()) better.push_back(refined(*steady, &MotionFit::steady));
+  if (const auto bent = first.bent()) better.push_back(refined(*bent, &MotionFit::bent));
   return better;
 }
 
@@ -151,11 +209,7 @@ MovingPose best_turn(const Octree& map, const Scan& raw, const Pose& T_map_begin
                      const LidarParameters& lidar, const RegistrationParameters& parameters) {
   const Eigen::Vector3d up =
       T_map_begin.rotation.transpose() * Eigen::Vector3d::UnitZ();  // in the sensor's frame
-  Scan thin;
-  for (const std::size_t i : some_points(raw.p_sensor.size())) {
-    thin.p_sensor.push_back(raw.p_sensor[i]);
-    thin.time_offset.push_back(raw.time_offset[i]);
-  }
+  const Scan thin = thinned(raw);
   MovingPose best;
   double most = -1;
   const auto consider = [&](const ScanMotion& motion) {
