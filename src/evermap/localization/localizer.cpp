@@ -116,8 +116,8 @@ Localization Localizer::propose(const Octree& map, const Scan& raw, double time,
 
 Localization Localizer::propose_earlier(const Octree& map, const Scan& raw, double time,
                                         const std::optional<Pose>& T_odom_sensor,
-                                        const Contradicting& contradicting) const {
-  Localization found = locate(map, raw, time, T_odom_sensor, contradicting, Effort::kUsual);
+                                        const Contradicting& contradicting, Effort effort) const {
+  Localization found = locate(map, raw, time, T_odom_sensor, contradicting, effort);
   if (found.passes() && found.odometry_jumps) found.reject_reason = RejectReason::kOdometryJumps;
   found.state = found.passes() ? TrackingState::kTracking : TrackingState::kDegraded;
   return found;

@@ -50,19 +50,18 @@ class MapMaintainer::Loop {
       begin_map(raw, std::nullopt);
       return start_.front().result;
     }
-    Localization found = propose(raw, time, T_odom_sensor, Effort::kUsual, result);
+    const auto propose = [&](Effort effort) {
+      return timed(result.times.locate, [&] {
+        return localizer_.propose(registered_to(), raw, time, T_odom_sensor, contradicting(), effort);
+      });
+    };
+    Localization found = propose(Effort::kUsual);
     if (begins_map_ && found.passes()) {
       begin_map(localizer_.undistorted(start_.front().raw, found.motion), found.motion);
       begins_map_ = false;
-      found = propose(raw, time, T_odom_sensor, Effort::kUsual, result);
+      found = propose(Effort::kUsual);
     }
-    write_found(found, result);
-    if (found.reject_reason == RejectReason::kContradictsMap) {  // is the map outdated, or the pose wrong?
-      result.reject_reason = RejectReason::kNone;
-      found = propose(raw, time, T_odom_sensor, Effort::kThorough, result);
-      write_found(found, result, &Loop::update_reversibly);
-    }
-    if (result.contradicting_fraction) found.contradicting_fraction = result.contradicting_fraction;
+    write_found(found, propose, result);
     const TrackingState before = localizer_.state();
     localizer_.conclude(found);
     tell(found, result);
@@ -140,11 +139,14 @@ class MapMaintainer::Loop {
       ScanResult result = before;
       if (!before.is_believed()) {  // unlike the scan that the map began with
         result.reject_reason = RejectReason::kNone;
-        Localization found = timed(result.times.locate, [&] {
-          return localizer_.propose_earlier(registered_to(), raw, before.time, T_odom_sensor,
-                                            contradicting());
-        });
-        write_found(found, result);
+        const auto propose = [&, &raw = raw, &T_odom_sensor = T_odom_sensor](Effort effort) {
+          return timed(result.times.locate, [&] {
+            return localizer_.propose_earlier(registered_to(), raw, result.time, T_odom_sensor,
+                                              contradicting(), effort);
+          });
+        };
+        Localization found = propose(Effort::kUsual);
+        write_found(found, propose, result);
         tell(found, result);
       }
       if (result.is_believed()) confirmed.push_back(std::move(result));
@@ -161,24 +163,25 @@ class MapMaintainer::Loop {
     };
   }
 
-  Localization propose(const Scan& scan, double time, const std::optional<Pose>& T_odom_sensor, Effort effort,
-                       ScanResult& result) const {
-    return timed(result.times.locate, [&] {
-      return localizer_.propose(registered_to(), scan, time, T_odom_sensor, contradicting(), effort);
-    });
-  }
-
   using Change = void (Loop::*)(const BundleGrid&, ScanResult&);
 
-  /// Gives the map a scan that was located, as far as its pose is known well enough for that.
-  void write_found(Localization& found, ScanResult& result, Change change) {
+  /// Gives the map a scan that was located. Where it contradicts the map, other places are proposed.
+  template <class Propose>
+  void write_found(Localization& found, const Propose& propose, ScanResult& result) {
+    if (mode_ == MapMode::kMapping) write_if_known(found, result, &Loop::add_to_map);
+    if (mode_ == MapMode::kMaintenance) write_if_known(found, result, &Loop::update_if_usual);
+    if (found.reject_reason == RejectReason::kContradictsMap) {  // is the map outdated, or the pose wrong?
+      result.reject_reason = RejectReason::kNone;
+      found = propose(Effort::kThorough);
+      write_if_known(found, result, &Loop::update_reversibly);
+    }
+    if (result.contradicting_fraction) found.contradicting_fraction = result.contradicting_fraction;
+  }
+
+  void write_if_known(Localization& found, ScanResult& result, Change change) {
     if (!found.is_writable() || (mode_ == MapMode::kMaintenance && !found.is_precise())) return;
     write(found.scan, found.T_map_sensor, result, change);
     found.reject_reason = result.reject_reason;
-  }
-  void write_found(Localization& found, ScanResult& result) {
-    if (mode_ == MapMode::kMapping) write_found(found, result, &Loop::add_to_map);
-    if (mode_ == MapMode::kMaintenance) write_found(found, result, &Loop::update_if_usual);
   }
 
   static void tell(const Localization& found, ScanResult& result) {

@@ -81,8 +81,8 @@ class Localizer {
   /// The same for a scan from before the last pose that passed, whose motion was not known at its time. Its
   /// state is set, too: it is not to be concluded.
   Localization propose_earlier(const Octree& map, const Scan& raw, double time,
-                               const std::optional<Pose>& T_odom_sensor,
-                               const Contradicting& contradicting) const;
+                               const std::optional<Pose>& T_odom_sensor, const Contradicting& contradicting,
+                               Effort effort) const;
 
   /// Whether so many contradictions are unusual.
   bool is_contradicting(double fraction) const { return gate_.is_contradicting(fraction); }
