@@ -8,7 +8,7 @@ namespace evermap {
 
 /// How well the robot knows where it is.
 enum class TrackingState {
-  kStarting,  ///< poses fit the map, but its motion is not known yet
+  kStarting,  ///< poses fit the map, but its motion is not known yet; see ScanResult::confirmed
   kTracking,  ///< the pose is believed; nothing may be written into the map in any other state
   kDegraded,  ///< the last scans did not pass the gate
   kLost,      ///< too many of them did not; it searches around where it was last
