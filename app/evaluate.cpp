@@ -137,10 +137,11 @@ void score_trajectory(const EvaluateOptions& options) {
   const MatchedPoses matched = match(read_trajectory(found), read_trajectory(truth), options.tolerance);
   const bool is_any_missing = matched.unmatched_found + matched.unmatched_truth > 0;
   if (!matched.is_by_time && is_any_missing) {
-    throw FileError(found, fmt::format("has {} poses, {} has {}, and not both have times: nothing tells which "
-                                       "belong together; give times to both (TUM)",
-                                       matched.found.size() + matched.unmatched_found, truth.string(),
-                                       matched.truth.size() + matched.unmatched_truth));
+    throw FileError(found,
+                    fmt::format("has {} poses, {} has {}, and not both have times: nothing tells which "
+                                "belong together; give times to both (TUM)",
+                                matched.found.size() + matched.unmatched_found, truth.string(),
+                                matched.truth.size() + matched.unmatched_truth));
   }
   if (matched.found.empty()) {
     throw FileError(found, fmt::format("no pose is within {} s of one of {}; check both files' times",
