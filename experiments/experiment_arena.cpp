@@ -198,8 +198,8 @@ Unit round_of(std::uint64_t first_seed) {
   const auto compute = [first_seed](const Progress& progress) {
     Json trials = Json::array();
     for (std::size_t i = 0; i < kWorldKinds.size(); ++i) {
-      progress(i, kWorldKinds.size());
       trials.push_back(run_trial(first_seed + i));
+      progress(i + 1, kWorldKinds.size());
     }
     return Json{{"trials", trials}};
   };
