@@ -134,14 +134,14 @@ void score_trajectory(const EvaluateOptions& options) {
   constexpr double kDegrees = 180 / std::numbers::pi;
   const std::filesystem::path found = options.trajectory[0];
   const std::filesystem::path truth = options.trajectory[1];
-  const MatchedPoses matched = match(read_trajectory(found), read_trajectory(truth), options.tolerance);
-  const bool is_any_missing = matched.unmatched_found + matched.unmatched_truth > 0;
-  if (!matched.is_by_time && is_any_missing) {
+  const std::vector<StampedPose> found_poses = read_trajectory(found);
+  const std::vector<StampedPose> true_poses = read_trajectory(truth);
+  const MatchedPoses matched = match(found_poses, true_poses, options.tolerance);
+  if (!matched.is_by_time && found_poses.size() != true_poses.size()) {
     throw FileError(found,
                     fmt::format("has {} poses, {} has {}, and not both have times: nothing tells which "
                                 "belong together; give times to both (TUM)",
-                                matched.found.size() + matched.unmatched_found, truth.string(),
-                                matched.truth.size() + matched.unmatched_truth));
+                                found_poses.size(), truth.string(), true_poses.size()));
   }
   if (matched.found.empty()) {
     throw FileError(found, fmt::format("no pose is within {} s of one of {}; check both files' times",

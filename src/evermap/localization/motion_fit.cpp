@@ -22,23 +22,23 @@ constexpr int kParts = 8;  ///< of a scan, equally long
 using Parts = std::array<NormalEquations, kParts>;
 
 /// Points all over a scan, some thousands in all. An odd step meets all beams of a sensor in turn.
-Scan thinned(const Scan& scan) {
+Scan some_points(const Scan& scan) {
   constexpr std::size_t kPoints = 8000;
   const std::size_t step = scan.p_sensor.size() / kPoints | 1;
-  Scan thin;
+  Scan some;
   for (std::size_t i = 0; i < scan.p_sensor.size(); i += step) {
-    thin.p_sensor.push_back(scan.p_sensor[i]);
-    if (!scan.time_offset.empty()) thin.time_offset.push_back(scan.time_offset[i]);
+    some.p_sensor.push_back(scan.p_sensor[i]);
+    if (!scan.time_offset.empty()) some.time_offset.push_back(scan.time_offset[i]);
   }
-  return thin;
+  return some;
 }
 
-/// What each part of a scan that was deskewed says about its pose.
-Parts equations_of_parts(const Octree& map, const Scan& deskewed, const Pose& T_map_sensor,
+/// What each part of a scan, deskewed, says about its pose.
+Parts equations_of_parts(const Octree& map, const Scan& raw, const Scan& deskewed, const Pose& T_map_sensor,
                          const LidarParameters& lidar, const RegistrationParameters& parameters) {
   std::array<Scan, kParts> parts;
   for (std::size_t i = 0; i < deskewed.p_sensor.size(); ++i) {
-    const double fraction = fraction_at(deskewed.time_offset[i], lidar.scan_period);
+    const double fraction = fraction_at(raw.time_offset[i], lidar.scan_period);
     const int part = std::clamp(static_cast<int>(fraction * kParts), 0, kParts - 1);
     parts[part].p_sensor.push_back(deskewed.p_sensor[i]);
   }
@@ -114,14 +114,14 @@ Pose end_of(const Pose& T_map_begin, const ScanMotion& motion, double duration) 
 /// The likeliest deviations from an assumed motion, of one velocity and of two, and what they come to.
 class MotionFit {
  public:
-  /// `deskewed` by the assumed motion.
-  MotionFit(const Octree& map, const Scan& deskewed, const MovingPose& assumed, const MotionPrior& prior,
-            const LidarParameters& lidar, const RegistrationParameters& parameters)
+  /// `deskewed`: the raw scan, by the assumed motion.
+  MotionFit(const Octree& map, const Scan& raw, const Scan& deskewed, const MovingPose& assumed,
+            const MotionPrior& prior, const LidarParameters& lidar, const RegistrationParameters& parameters)
       : assumed_(assumed),
         period_(lidar.scan_period),
         least_shift_(std::max(0.02, map.grid().edge / 20)),
         least_turn_(std::max(0.15 * kDegree, least_shift_ / 10)) {
-    Parts parts = equations_of_parts(map, deskewed, assumed.T_map_sensor, lidar, parameters);
+    Parts parts = equations_of_parts(map, raw, deskewed, assumed.T_map_sensor, lidar, parameters);
     NormalEquations all;
     for (const NormalEquations& part : parts) all += part;
     if (all.inliers == 0) return;
@@ -186,14 +186,12 @@ std::vector<MovingPose> fit_motion(const Octree& map, const Scan& raw, const Sca
                                    const MovingPose& assumed, const MotionPrior& prior,
                                    const LidarParameters& lidar, const RegistrationParameters& parameters) {
   constexpr int kSteps = 6;
-  Scan still = thinned(deskewed);
-  const Scan thin = thinned(raw);
-  still.time_offset = thin.time_offset;
-  const MotionFit first(map, still, assumed, prior, lidar, parameters);
+  const Scan some = some_points(raw);
+  const MotionFit first(map, some, some_points(deskewed), assumed, prior, lidar, parameters);
   const auto refined = [&](MovingPose at, auto next) {
     for (int i = 1; i < kSteps; ++i) {
-      still.p_sensor = deskew(thin, at.motion, lidar.scan_period).p_sensor;
-      const auto better = (MotionFit(map, still, at, prior, lidar, parameters).*next)();
+      const Scan still = deskew(some, at.motion, lidar.scan_period);
+      const auto better = (MotionFit(map, some, still, at, prior, lidar, parameters).*next)();
       if (!better) break;
       at = *better;
     }
@@ -209,12 +207,12 @@ MovingPose best_turn(const Octree& map, const Scan& raw, const Pose& T_map_begin
                      const LidarParameters& lidar, const RegistrationParameters& parameters) {
   const Eigen::Vector3d up =
       T_map_begin.rotation.transpose() * Eigen::Vector3d::UnitZ();  // in the sensor's frame
-  const Scan thin = thinned(raw);
+  const Scan some = some_points(raw);
   MovingPose best;
   double most = -1;
   const auto consider = [&](const ScanMotion& motion) {
     const Pose T_map_sensor = end_of(T_map_begin, motion, lidar.scan_period);
-    const auto bundles = bundles_in_sensor_frame(deskew(thin, motion, lidar.scan_period), map.grid().edge,
+    const auto bundles = bundles_in_sensor_frame(deskew(some, motion, lidar.scan_period), map.grid().edge,
                                                  lidar, parameters.first_bundles);
     const NormalEquations there = equations_at(map, bundles, T_map_sensor, {parameters.first_kernel_width});
     const double fits = 2 * static_cast<double>(there.inliers) - static_cast<double>(there.matched);

@@ -135,13 +135,13 @@ class MapMaintainer::Loop {
   /// Locates the scans of the start once more and gives them to the map, now that the motion is known.
   std::vector<ScanResult> confirm_start() {
     std::vector<ScanResult> confirmed;
-    for (const auto& [raw, T_odom_sensor, before] : std::exchange(start_, {})) {
-      ScanResult result = before;
-      if (!before.is_believed()) {  // unlike the scan that the map began with
+    for (StartScan& scan : std::exchange(start_, {})) {
+      ScanResult& result = scan.result;
+      if (!result.is_believed()) {  // unlike the scan that the map began with
         result.reject_reason = RejectReason::kNone;
-        const auto propose = [&, &raw = raw, &T_odom_sensor = T_odom_sensor](Effort effort) {
+        const auto propose = [&](Effort effort) {
           return timed(result.times.locate, [&] {
-            return localizer_.propose_earlier(registered_to(), raw, result.time, T_odom_sensor,
+            return localizer_.propose_earlier(registered_to(), scan.raw, result.time, scan.T_odom_sensor,
                                               contradicting(), effort);
           });
         };
