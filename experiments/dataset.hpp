@@ -61,6 +61,8 @@ class Dataset {
   virtual Points survey() const = 0;
   virtual Truth truth(std::size_t scan) const = 0;
   virtual Changes changes(double leaf) const = 0;
+  /// The rays of all scans.
+  std::vector<ScanRays> rays() const;
 
   LidarParameters lidar{};
   double position_sigma = 0.02;  ///< [m] how well the place of a true point is known
@@ -69,9 +71,6 @@ class Dataset {
 
  protected:
   Dataset() = default;
-
-  /// The rays of all scans.
-  std::vector<ScanRays> rays() const;
 
   std::vector<AlignedScan> scans_;
   std::vector<DynamicObject> dynamic_objects_;

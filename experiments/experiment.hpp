@@ -49,6 +49,7 @@ Experiment experiment_ablation(const Setup& setup);
 Experiment experiment_robustness(const Setup& setup);
 Experiment experiment_arena(const Setup& setup);
 Experiment experiment_worlds(const Setup& setup);
+Experiment experiment_year(const Setup& setup);
 
 /// [m] The setup's leaf edges, or those of most experiments.
 std::vector<double> leaves_of(const Setup& setup);

@@ -47,6 +47,7 @@ constexpr Entry kExperiments[] = {{"a", experiment_a},
                                   {"timing", experiment_timing},
                                   {"ablation", experiment_ablation},
                                   {"robustness", experiment_robustness},
+                                  {"year", experiment_year},
                                   {"arena", experiment_arena, false},
                                   {"worlds", experiment_worlds, false}};
 

@@ -11,10 +11,13 @@ namespace {
 
 /// All figures of a row of metrics.
 std::string csv_rows(const std::string& unit, const std::string& mapper, const Json& metrics) {
-  const std::string scan = metrics.contains("scan") ? metrics["scan"].dump() : "";
+  std::string scan;
+  for (const char* along : {"scan", "session"}) {
+    if (metrics.contains(along)) scan = metrics[along].dump();
+  }
   std::string text;
   for (const auto& [metric, value] : metrics.items()) {
-    if (value.is_number() && metric != "scan") {
+    if (value.is_number() && metric != "scan" && metric != "session") {
       text += fmt::format("{},\"{}\",{},\"{}\",{}\n", unit, mapper, scan, metric, value.dump());
     }
   }

@@ -4,7 +4,7 @@
 import math
 
 import figures
-from section import (EVERMAP, NOTHING, OCTOMAP, Column, Figure, Section, Table, along, at_end, curves, largest_sag, mapper_of,
+from section import (EVERMAP, NOTHING, OCTOMAP, Column, Figure, Heading, Section, Table, along, at_end, curves, largest_sag, mapper_of,
                      names_of, number, ratio, tell_comparison)
 
 
@@ -321,6 +321,58 @@ def section_worlds(units, folder):
     return section
 
 
+def section_year(units, folder):
+    section = Section("A year: the map that is left on its own", [
+        "A robot drives the same round day after day, localizes in its map without odometry, updates it, and finds it in the "
+        "evening's state the next morning; only the first pose of each day is given. In the container terminal a fifth of the bays "
+        "change each night. In the pit two of the 18 blocks of the walls are blasted back by 2.5 m each night, a strip of the floor "
+        "is dug 0.4 m deeper, and piles and machines come and go. Kept (SA): of what sessions before saw and still stands; erased "
+        "(DA): of all that any session before saw and is gone; both where the day's rays could tell."])
+    for name, unit in units.items():
+        title, result, leaf = unit["title"], unit["result"], unit["settings"]["leaf"]
+        sessions = len(result["survey left"])
+
+        def series(metric):
+            return {m["name"]: [[row["session"], row[metric]] for row in m["rows"]] for m in result["mappers"]}
+
+        figures.draw_panels(folder / f"{name}.svg", [
+            {"title": "Error of the position, RMSE", "x": "session", "y": "distance [m]", "series": series("ATE"), "log_y": True},
+            {"title": "Lost", "x": "session", "y": "fraction of the scans", "series": series("lost")},
+            {"title": "Kept of what still stands (SA)", "x": "session", "y": "fraction", "series": series("SA")},
+            {"title": "Erased of what is gone (DA)", "x": "session", "y": "fraction", "series": series("DA")}])
+        section.blocks += [Heading(title), Figure(
+            f"{name}.svg", f"{title}, leaf {leaf} m: {sessions} sessions, after which {100 * result['survey left'][-1]:.0f} % of "
+                           "the first survey is left around the route.")]
+        last = range(-max(1, sessions // 4), 0)
+
+        def row(name):
+            ate, lost, kept, erased = (along(result, name, metric) for metric in ("ATE", "lost", "SA", "DA"))
+            ends = mapper_of(result, name)["rows"][-1]
+            first_lost = next((str(i + 1) for i, fraction in enumerate(lost) if fraction > 0), "never")
+            return [name, ate[0], percentile([ate[i] for i in last], 0.5), max(ate), first_lost, min(kept), kept[-1], min(erased),
+                    erased[-1], ends["AHD"], ends["leaves"] / result["fresh leaves"][-1], ends["cpu ms"]]
+
+        section.blocks.append(Table(
+            f"{title}: sessions 1 to {sessions}. ATE: RMSE of the position without alignment. Lost: first session with a scan off "
+            "by more than 1 m or 5 degrees. Leaves: as a fraction of those of a fresh survey. CPU: of a scan, median of the last "
+            "session.",
+            [Column("map"), Column("ATE, first [m]", 4), Column("ATE, last quarter, median [m]", 4), Column("ATE, worst [m]", 4),
+             Column("lost in session"), Column("SA, least", 4, max), Column("SA, last", 4, max), Column("DA, least", 4, max),
+             Column("DA, last", 4, max), Column("AHD, last [m]", 3, min), Column("leaves", 3), Column("CPU [ms]", 1)],
+            [row(m["name"]) for m in result["mappers"]]))
+
+        own = mapper_of(result, EVERMAP)["rows"]
+        static = mapper_of(result, "static map")["rows"]
+        section.aim_at_least(title, "worst ATE of the static map in the last quarter [m]", 0.5, max(static[i]["ATE"] for i in last))
+        section.aim_at_most(title, "ATE of the last session over that of the first", 1.5, ratio(own[-1]["ATE"], own[0]["ATE"]))
+        section.aim_at_most(title, "fraction lost, worst session", 0, max(row["lost"] for row in own))
+        section.aim_at_least(title, "SA of the last session", 0.995, number(own[-1]["SA"]))
+        section.aim_at_least(title, "DA of the last session", 0.97, number(own[-1]["DA"]))
+        section.aim_at_most(title, "leaves off those of a fresh survey", 0.05,
+                            abs(own[-1]["leaves"] / result["fresh leaves"][-1] - 1))
+    return section
+
+
 def section_demo(units, folder):
     metrics = ("SA", "DA", "COV 0.1", "COV 0.2", "ACC 0.1", "ACC 0.2", "AHD")
     table = Table("SA: unchanged surface kept. DA: removed surface erased. COV, ACC: fraction of the true surface near the map, of "
@@ -344,7 +396,7 @@ def section_demo(units, folder):
 
 TELL = {"demo": section_demo, "a": section_a, "b": section_b, "c": section_c, "localization": section_localization,
         "timing": section_timing, "ablation": section_ablation, "robustness": section_robustness, "arena": section_arena,
-        "worlds": section_worlds}
+        "worlds": section_worlds, "year": section_year}
 
 
 def tell(name, result, folder):

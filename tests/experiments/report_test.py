@@ -62,6 +62,21 @@ class ReportTest(unittest.TestCase):
         self.assertIn(part, errors)
         self.assertFalse((self.folder / "index.html").exists())
 
+    def test_a_year_is_told_by_sessions(self):
+        year = experiment("year", "year_pit")
+        result = year["units"]["year_pit"]["result"]
+        result |= {"survey left": [0.9, 0.5, 0.1], "fresh leaves": [100, 100, 100]}
+        for m in result["mappers"]:
+            m["rows"] = [{"session": i, "ATE": 0.001 * i, "lost": 0.0, "SA": 0.99, "DA": None, "AHD": 0.1, "leaves": 104,
+                          "cpu ms": 5.0} for i in (1, 2, 3)]
+        self.write("year.json", year)
+        code, printed, errors = self.run_report(self.folder)
+        self.assertEqual(code, 0, errors)
+        self.assertRegex(printed, "evermap default +0.0010 +0.0030 +0.0030 +never")
+        page = (self.folder / "index.html").read_text(encoding="utf-8")
+        self.assertTrue(re.search('that of the first at most 1.5</td>\\s*<td class="">3.0000</td>\\s*<td class="">NO<', page))
+        self.assertGreater((self.folder / "year_pit.svg").stat().st_size, 1000)
+
     def test_pictures_page_and_text_come_out(self):
         self.write("a.json", experiment("a", "a_drive_0.2"))
         self.write("b.json", experiment("b", "b_passing_0.2"))

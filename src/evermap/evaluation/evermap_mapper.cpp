@@ -33,6 +33,10 @@ std::function<void()> EvermapMapper::prepare(const Scan& scan, const Pose& T_map
   };
 }
 
+void EvermapMapper::resume(const Pose& T_map_sensor_initial) {
+  maintainer_ = MapMaintainer(maintainer_.map(), parameters_, mode_, T_map_sensor_initial);
+}
+
 std::optional<ScanResult> EvermapMapper::process(const Scan& scan, double time,
                                                  const std::optional<Pose>& T_odom_sensor) {
   map_.reset();

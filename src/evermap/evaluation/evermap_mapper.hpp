@@ -19,6 +19,7 @@ class EvermapMapper final : public Mapper {
   std::string version() const override;
   void start(const Points& survey_map, const Pose& T_map_sensor_initial = {}) override;
   std::function<void()> prepare(const Scan& scan, const Pose& T_map_sensor) override;
+  void resume(const Pose& T_map_sensor_initial) override;
   std::optional<ScanResult> process(const Scan& scan, double time,
                                     const std::optional<Pose>& T_odom_sensor) override;
   bool claims(const Eigen::Vector3d& p_map, double position_sigma) const override;

@@ -42,6 +42,9 @@ class Mapper {
   virtual std::function<void()> prepare(const Scan& scan, const Pose& T_map_sensor) = 0;
   void update(const Scan& scan, const Pose& T_map_sensor) { prepare(scan, T_map_sensor)(); }
 
+  /// A new run begins in the map as it is, its first scan there: what belongs to a run is forgotten.
+  virtual void resume(const Pose& /*T_map_sensor_initial*/) {}
+
   /// Takes a scan whose pose is to be found, as MapMaintainer::process does; none where the mapper has no
   /// localization of its own.
   virtual std::optional<ScanResult> process(const Scan& /*scan*/, double /*time*/,

@@ -14,25 +14,8 @@
 namespace evermap {
 namespace {
 
-/// A box that stands on the ground, or is lifted above it. Where its numbers are drawn, the braces around
-/// them see to the order, which a call's arguments do not have: a seed means the same world with every
-/// compiler.
-struct Box {
-  double x, y, yaw;              ///< [m], [m] and [degrees]
-  double length, width, height;  ///< [m]
-  double lift = 0;               ///< [m]
-};
-
-std::string text_of(const Box& box) {
-  std::ostringstream text;
-  text << "box: [" << box.length << ", " << box.width << ", " << box.height << "], at: [" << box.x << ", "
-       << box.y << ", " << box.yaw << "]";
-  if (box.lift > 0) text << ", lift: " << box.lift;
-  return text.str();
-}
-
-/// Writes a scenario, object by object.
-class World {
+/// A scenario that is drawn, object by object.
+class World : public ScenarioText {
  public:
   World(std::uint64_t seed, const RandomDrive& drive) : random_(seed), drive_(drive) {}
 
@@ -50,7 +33,6 @@ class World {
     return places;
   }
 
-  void box(const Box& box) { object(text_of(box)); }
   /// As box, but it may have come, gone or moved since the survey.
   void furniture(const Box& box) {
     std::string text = text_of(box);
@@ -67,17 +49,6 @@ class World {
     }
     object(text);
   }
-  void wall(double x0, double y0, double x1, double y1, double height, double thickness) {
-    std::ostringstream text;
-    text << "wall: {from: [" << x0 << ", " << y0 << "], to: [" << x1 << ", " << y1 << "], height: " << height
-         << ", thickness: " << thickness << "}";
-    object(text.str());
-  }
-  void post(double x, double y, double height, double width) {
-    std::ostringstream text;
-    text << "post: {height: " << height << ", width: " << width << "}, at: [" << x << ", " << y << "]";
-    object(text.str());
-  }
   /// Gravel that was more or less when it was surveyed.
   void pile(double x, double y) {
     const double height = uniform(1.2, 3.5);
@@ -93,23 +64,8 @@ class World {
     if (chance(drive_.changed)) text << (chance(0.5) ? ", survey: only" : ", survey: absent");
     object(text.str());
   }
-  /// Four walls around [-x, x] x [-y, y], seen from within.
-  void walls(double x, double y, double height, double thickness) {
-    const double t = thickness / 2;
-    wall(-x - t, y + t, x + t, y + t, height, thickness);
-    wall(-x - t, -y - t, x + t, -y - t, height, thickness);
-    wall(-x - t, -y - t, -x - t, y + t, height, thickness);
-    wall(x + t, -y - t, x + t, y + t, height, thickness);
-  }
   void ceiling(double x, double y, double height) { box({0, 0, 0, 2 * x + 0.9, 2 * y + 0.9, 0.2, height}); }
 
-  /// The ground's area and features, e.g. "slope: [0, 0]".
-  void ground(double x, double y, const std::string& features) {
-    std::ostringstream text;
-    text << "ground: {area: [" << -x << ", " << -y << ", " << x << ", " << y
-         << "], spacing: 0.5, reflectivity: 0.4, features: [" << features << "]}\n";
-    ground_ = text.str();
-  }
   /// A straight drive with one bend, at up to `speed` [m/s].
   void route(double x0, double y0, double x1, double y1, double x2, double y2, double speed, double radius) {
     std::ostringstream text;
@@ -121,30 +77,14 @@ class World {
          << ", " << y0 << "], speed: " << first << "}, {at: [" << x0 + ahead * (x1 - x0) << ", "
          << y0 + ahead * (y1 - y0) << "], speed: " << speed << "}, [" << x1 << ", " << y1 << "], [" << x2
          << ", " << y2 << "]]}";
-    route_ = text.str();
+    ScenarioText::route(text.str());
   }
-  void sensor_height(double height) { sensor_height_ = height; }
 
-  std::string text(std::uint64_t seed) const {
-    std::ostringstream text;
-    text << "seed: " << seed << "\nscans: " << drive_.scans << "\nlidar: {channels: " << drive_.channels
-         << ", columns: " << drive_.columns
-         << ", elevation: [-22, 18], rate: 10, min_range: 0.3, max_range: 80, range_sigma: 0.02, "
-            "motion_distortion: true}\n"
-         << ground_ << "robot: {sensor_height: " << sensor_height_ << ", " << route_ << "}\nobjects:\n"
-         << objects_.str();
-    return text.str();
-  }
+  std::string text(std::uint64_t seed) const { return ScenarioText::text(seed, drive_); }
 
  private:
-  void object(const std::string& what) { objects_ << "  - {name: o" << ++count_ << ", " << what << "}\n"; }
-
   std::mt19937_64 random_;
   RandomDrive drive_;
-  int count_ = 0;
-  std::ostringstream objects_;
-  std::string ground_, route_;
-  double sensor_height_ = 1.2;
 };
 
 const char* const kLevel = "{slope: [0, 0]}";
