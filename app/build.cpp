@@ -63,7 +63,10 @@ void build_without_poses(const BuildOptions& options, MapStore& store, Parameter
       localize_scans(scans, maintainer, parameters.lidar.scan_period, [&](const LocalizedRun& sofar) {
         if (log) log->extend(sofar.trajectory);
       });
-  if (log) log->finish(run.trajectory);
+  if (log) {
+    write_trajectory(options.poses_out, run);
+    log->discard();
+  }
   finish(options, store, maintainer.map(), run);
   end_as(run.run);
   if (run.is_lost() || run.is_hardly_tracked()) {
@@ -92,7 +95,8 @@ void add_build(CLI::App& app) {
   const auto options = std::make_shared<BuildOptions>();
   add_run_options(*verb, options->run);
   CLI::Option* poses = verb->get_option("--poses")->required(false);
-  verb->add_option("--poses-out", options->poses_out, "Poses found by LiDAR odometry, to write (TUM)")
+  verb->add_option("--poses-out", options->poses_out,
+                   "Poses found by LiDAR odometry, to write: TUM, or .kitti, or .mcap")
       ->excludes(poses)
       ->type_name("FILE");
   add_odometry_options(*verb, options->odometry);

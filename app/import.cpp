@@ -57,6 +57,7 @@ Scan read_survey(const ImportOptions& options, CloudNotes& notes) {
     for (const Eigen::Vector3d& p : cloud->p_sensor) survey.p_sensor.push_back(T_map_cloud * p);
     notes.has_viewpoint = notes.has_viewpoint || clouds.notes().has_viewpoint;
     notes.coordinate_step = std::max(notes.coordinate_step, clouds.notes().coordinate_step);
+    notes.voxel = std::max(notes.voxel, clouds.notes().voxel);
   }
   return survey;
 }
@@ -108,7 +109,7 @@ void add_import(CLI::App& app) {
                    "Cloud in the map frame, or folder of its tiles: " + std::string(kCloudExtensions))
       ->required();
   verb->add_option("-o,--output", options->map, "Map to write")->required()->type_name("MAP.evm");
-  add_bin_fields_option(*verb, options->reading);
+  add_cloud_options(*verb, options->reading);
   verb->add_flag("--ignore-viewpoint", options->reading.ignore_viewpoint,
                  "Take the points of a PCD file as they are, whatever its VIEWPOINT says");
   add_leaf_option(*verb, options->leaf);

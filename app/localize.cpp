@@ -3,7 +3,6 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
-#include <vector>
 
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
@@ -14,7 +13,6 @@
 #include "verbs.hpp"
 #include <evermap/history/map_store.hpp>
 #include <evermap/io/detail/pose_log.hpp>
-#include <evermap/io/detail/quaternion.hpp>
 
 namespace evermap {
 namespace {
@@ -22,7 +20,7 @@ namespace {
 struct LocalizeOptions {
   std::filesystem::path map;
   LocalizedScans scans;
-  std::vector<double> initial_pose;  ///< x y z [m] qx qy qz qw; empty: the map's origin
+  Pose initial_pose;  ///< of the first scan
   bool maintain = false;
   std::optional<int> rollback;  ///< [scans]
   std::optional<double> max_contradicting;
@@ -35,14 +33,6 @@ struct LocalizeOptions {
   ParameterOptions parameters;
   bool as_json = false;
 };
-
-Pose initial_pose_of(const LocalizeOptions& options) {
-  const std::vector<double>& v = options.initial_pose;
-  if (v.empty()) return {};
-  const auto rotation = rotation_from_file(Eigen::Quaterniond(v[6], v[3], v[4], v[5]));
-  if (!rotation) throw std::runtime_error("--initial-pose: the quaternion qx qy qz qw has not norm 1");
-  return {*rotation, {v[0], v[1], v[2]}};
-}
 
 void check(const LocalizeOptions& options) {
   check_writable(options.poses);
@@ -68,7 +58,7 @@ void run_localize(const LocalizeOptions& options) {
   if (map.empty()) throw std::runtime_error(options.map.string() + " has no leaves to localize in");
   MapMaintainer maintainer(std::move(map), parameters,
                            options.maintain ? MapMode::kMaintenance : MapMode::kLocalization,
-                           initial_pose_of(options));
+                           options.initial_pose);
   MapCause cause = cause_of("localize", options.scans.scans, parameters);
   if (store) store->begin(maintainer.map(), cause, options.journal);
   PoseLog log(options.poses);
@@ -78,7 +68,8 @@ void run_localize(const LocalizeOptions& options) {
   };
   const LocalizedRun run =
       localize_scans(options.scans, maintainer, parameters.lidar.scan_period, acknowledge);
-  log.finish(run.trajectory);
+  write_trajectory(options.poses, run);
+  log.discard();
   if (!options.states.empty()) write_states(options.states, run);
   if (store) {
     cause.what +=
@@ -109,14 +100,12 @@ void add_localize(CLI::App& app) {
   const auto options = std::make_shared<LocalizeOptions>();
   verb->add_option("MAP.evm", options->map, "Map to localize in")->required();
   add_scans_options(*verb, options->scans.scans, options->scans.reading);
-  verb->add_option("-o,--output", options->poses, "Poses to write (TUM), of the scans whose pose is believed")
+  verb->add_option("-o,--output", options->poses,
+                   "Poses to write, of the scans whose pose is believed: TUM, or .kitti, or .mcap")
       ->required()
       ->type_name("POSES.txt");
-  verb->add_option("--initial-pose", options->initial_pose,
-                   "Pose of the first scan, within 1 m and 10 degrees: \"x y z qx qy qz qw\"")
-      ->delimiter(' ')
-      ->expected(7)
-      ->type_name("POSE")
+  add_pose_option(*verb, "--initial-pose", "Pose of the first scan, within 1 m and 10 degrees",
+                  [options](const Pose& T_map_sensor) { options->initial_pose = T_map_sensor; })
       ->default_str("the map's origin");
   verb->add_option("--search", options->search, "How far around its last pose a lost robot is searched")
       ->check(CLI::Range(0.0, 100.0))
@@ -125,6 +114,7 @@ void add_localize(CLI::App& app) {
   verb->add_option("--states", options->states, "What was thought of each scan, and why, to write (CSV)")
       ->type_name("FILE.csv");
   add_odometry_options(*verb, options->scans);
+  add_mount_options(*verb, options->scans.reading);
   verb->add_flag("--maintain", options->maintain, "Update the map with scans whose pose is believed");
   verb->add_option("--map-out", options->map_out,
                    "Map to write with --maintain; may be the one to start from")

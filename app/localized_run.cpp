@@ -29,9 +29,31 @@ void record(LocalizedRun& run, ScanResult result) {
                 100 * result.inlier_fraction, result.residual,
                 100 * result.contradicting_fraction.value_or(0));
   for (const ScanResult& earlier : result.confirmed)
-    run.trajectory.push_back({earlier.time, earlier.T_map_sensor});
-  if (result.is_believed()) run.trajectory.push_back({result.time, result.T_map_sensor});
+    run.trajectory.push_back({earlier.time, earlier.T_map_sensor * run.T_sensor_base});
+  if (result.is_believed()) run.trajectory.push_back({result.time, result.T_map_sensor * run.T_sensor_base});
   append(run.scans, std::move(result));
+}
+
+/// Of which frame poses are to be written, and where it is on the sensor.
+void find_base(const ScanSource& scans, const ScanOptions& reading, const std::filesystem::path& path,
+               LocalizedRun& run) {
+  if (!scans.frame().empty()) run.frames.child = scans.frame();
+  if (reading.base.empty()) return;
+  const std::optional<Pose> T_sensor_base =
+      reading.mount ? reading.mount->T_base_sensor.inverse() : scans.base_pose();
+  if (!T_sensor_base) {
+    throw FileError(path, "nothing tells where " + reading.base + " is on the sensor; give --extrinsic");
+  }
+  run.T_sensor_base = *T_sensor_base;
+  run.frames.child = reading.base;
+}
+
+/// Of the base, whose place swings with the rotation about the sensor.
+Eigen::Matrix<double, 6, 6> covariance_of_base(const ScanResult& scan, const Pose& T_sensor_base) {
+  Eigen::Matrix<double, 6, 6> lever = Eigen::Matrix<double, 6, 6>::Identity();
+  const Eigen::Vector3d arm = scan.T_map_sensor.rotation * T_sensor_base.translation;
+  for (int axis = 0; axis < 3; ++axis) lever.col(3 + axis).head<3>() = Eigen::Vector3d::Unit(axis).cross(arm);
+  return lever * scan.covariance * lever.transpose();
 }
 
 /// What to do about scans that were rejected.
@@ -67,6 +89,13 @@ void add_odometry_options(CLI::App& verb, LocalizedScans& options) {
       ->check(CLI::Range(0.1, 1000.0))
       ->type_name("HZ")
       ->default_str("10");
+  verb.add_option("--base-frame", options.reading.base,
+                  "Write poses of this frame, which /tf_static or --extrinsic connects with the sensor")
+      ->type_name("FRAME")
+      ->default_str("the sensor's");
+  verb.add_option("--map-frame", options.frames.frame, "Name of the map's frame, in poses written as a bag")
+      ->type_name("FRAME")
+      ->capture_default_str();
 }
 
 double scan_period_of(const LocalizedScans& options, double configured) {
@@ -104,8 +133,12 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
   ScanPoses odometry = options.odometry.empty()     ? ScanPoses::odometry_of(options.scans, reading)
                        : options.odometry == "none" ? ScanPoses("", options.scans, reading)
                                                     : ScanPoses(options.odometry, options.scans, reading);
+  if (reading.mount && odometry.empty()) {
+    throw std::runtime_error("an extrinsic or a calibration tells nothing without --odometry or --poses");
+  }
   const std::unique_ptr<ScanSource> scans = open_scans(options.scans, reading);
   LocalizedRun result;
+  result.frames = options.frames;
   std::string point_time;
   std::size_t backwards = 0;
   bool is_matched = false;
@@ -115,6 +148,7 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
     if (!scan) return false;
     if (!std::exchange(is_matched, true)) {
       odometry.match(*scans, options.scans, *scan);
+      find_base(*scans, reading, options.scans, result);
       point_time = point_time_in_words(scans->notes());
     }
     const double by_count = static_cast<double>(scans->index() + 1) * scan_period;
@@ -185,6 +219,28 @@ std::pair<double, double> LocalizedRun::way() const {
     last = i;
   }
   return {believed, all};
+}
+
+void write_trajectory(const std::filesystem::path& path, const LocalizedRun& run) {
+  if (path.extension() == ".mcap") {
+    std::vector<Odometry> poses;
+    for (const ScanResult& scan : run.scans) {
+      if (!scan.is_believed()) continue;
+      poses.push_back(
+          {scan.time, scan.T_map_sensor * run.T_sensor_base, covariance_of_base(scan, run.T_sensor_base)});
+    }
+    write_odometry_bag(path, poses, run.frames);
+  } else if (path.extension() != ".kitti") {
+    write_tum_poses(path, run.trajectory);
+  } else if (run.trajectory.size() == run.scans.size()) {
+    write_kitti_poses(path, run.trajectory);
+  } else {
+    throw FileError(
+        path,
+        fmt::format("{} of {} scans are not believed, and a file of KITTI has no times to tell "
+                    "which; what is believed is in {}.part (TUM)",
+                    run.scans.size() - run.trajectory.size(), run.scans.size(), path.filename().string()));
+  }
 }
 
 void write_states(const std::filesystem::path& path, const LocalizedRun& run) {

@@ -15,6 +15,7 @@
 
 #include "report.hpp"
 #include "run.hpp"
+#include <evermap/bags/odometry_bag.hpp>
 #include <evermap/io/poses.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
 
@@ -27,14 +28,17 @@ struct LocalizedScans {
   std::string odometry;        ///< poses of the sensor in any frame: a file, or a topic or frame of a bag
   std::optional<double> rate;  ///< [Hz] scans per second, when not the parameters' scan_period
   int threads = 0;             ///< 0: one per core
+  OdometryFrames frames;       ///< names for poses that are written as a bag
 };
-/// Adds --odometry and --rate.
+/// Adds --odometry, --rate, --base-frame and --map-frame.
 void add_odometry_options(CLI::App& verb, LocalizedScans& options);
 
 /// What became of them.
 struct LocalizedRun {
   Run run;
-  std::vector<StampedPose> trajectory;  ///< T_map_sensor of the scans that are believed, and of no others
+  std::vector<StampedPose> trajectory;  ///< T_map_base of the scans that are believed, and of no others
+  Pose T_sensor_base;                   ///< the sensor itself, unless a base was asked for
+  OdometryFrames frames;                ///< of these poses
   std::vector<ScanResult> scans;        ///< all
   std::size_t with_odometry = 0;        ///< scans whose pose the odometry told
 
@@ -59,6 +63,10 @@ double scan_period_of(const LocalizedScans& options, double configured);
 /// the odometry has none. Shows the run up to there to `look` after each scan.
 LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& maintainer, double scan_period,
                             const std::function<void(const LocalizedRun& run)>& look);
+
+/// Writes the trajectory as its file's name says: .kitti, .mcap (a bag of ROS 2), or TUM. Throws FileError
+/// when it cannot be written; KITTI's rows have no times, so that none may be missing.
+void write_trajectory(const std::filesystem::path& path, const LocalizedRun& run);
 
 /// A table with a row a scan: what was thought of it, and why. Throws FileError when it cannot be written.
 void write_states(const std::filesystem::path& path, const LocalizedRun& run);

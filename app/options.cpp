@@ -10,6 +10,7 @@
 
 #include <evermap/config/parameters_file.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
+#include <evermap/io/detail/quaternion.hpp>
 #include <evermap/io/map_file.hpp>
 
 namespace evermap {
@@ -55,7 +56,11 @@ Parameters parameters_of(const ParameterOptions& options) {
                                        lidar.min_range, lidar.max_range));
 }
 
-void add_bin_fields_option(CLI::App& verb, CloudOptions& options) {
+void add_cloud_options(CLI::App& verb, CloudOptions& options) {
+  verb.add_option("--format", options.format, "Format of the clouds, whatever their names: .bin, .pcd, ...")
+      ->check(CLI::IsMember(cloud_extensions()).description(""))
+      ->type_name(".EXT")
+      ->default_str("told by the names");
   verb.add_option("--bin-fields", options.bin_fields, "float32 values a point in .bin files: x y z first")
       ->check(CLI::Range(3, 32))
       ->type_name("N")
@@ -84,7 +89,7 @@ void add_scans_options(CLI::App& verb, std::filesystem::path& scans, ScanOptions
       ->capture_default_str();
   verb.add_flag("--strict", reading.selection.is_strict,
                 "Stop at the first damaged scan; otherwise up to a tenth are left out");
-  add_bin_fields_option(verb, reading.cloud);
+  add_cloud_options(verb, reading.cloud);
 }
 
 void add_run_options(CLI::App& verb, RunOptions& options) {
@@ -93,8 +98,38 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
                   "Poses of the sensor in the map: a file (TUM or KITTI), or a topic or a frame of the bag")
       ->required()
       ->type_name("FILE|TOPIC|FRAME");
+  add_mount_options(verb, options.reading);
   verb.add_flag("--force", options.is_forced, "Go on even if the scans do not fit together by these poses");
   add_threads_option(verb, options.threads);
+}
+
+CLI::Option* add_pose_option(CLI::App& verb, const std::string& name, const std::string& help,
+                             std::function<void(const Pose& pose)> take) {
+  constexpr int kNumbers = 7;
+  const auto read = [name, take = std::move(take)](const std::vector<double>& v) {
+    const auto rotation = rotation_from_file(Eigen::Quaterniond(v[6], v[3], v[4], v[5]));
+    if (!rotation) throw std::runtime_error(name + ": the quaternion qx qy qz qw has not norm 1");
+    take({*rotation, {v[0], v[1], v[2]}});
+  };
+  return verb.add_option_function<std::vector<double>>(name, read, help + ": \"x y z qx qy qz qw\"")
+      ->delimiter(' ')
+      ->expected(kNumbers)
+      ->type_name("POSE");
+}
+
+void add_mount_options(CLI::App& verb, ScanOptions& reading) {
+  CLI::Option* extrinsic =
+      add_pose_option(verb, "--extrinsic", "Where the sensor is on the base whose poses are given",
+                      [&reading](const Pose& T_base_sensor) {
+                        reading.mount = {T_base_sensor, {}};
+                      })
+          ->default_str("they are the sensor's own, or the bag tells");
+  verb.add_option_function<std::filesystem::path>(
+          "--calib",
+          [&reading](const std::filesystem::path& file) { reading.mount = read_kitti_calibration(file); },
+          "Calibration of KITTI, whose poses are of a camera; the map is in the LiDAR's axes")
+      ->type_name("calib.txt")
+      ->excludes(extrinsic);
 }
 
 void add_threads_option(CLI::App& verb, int& threads) {

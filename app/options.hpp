@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,7 +31,7 @@ void add_range_options(CLI::App& verb, ParameterOptions& options);
 Parameters parameters_of(const ParameterOptions& options);
 
 /// How clouds and scans are to be read, where their files do not tell.
-void add_bin_fields_option(CLI::App& verb, CloudOptions& options);
+void add_cloud_options(CLI::App& verb, CloudOptions& options);
 
 /// The scans that a verb works through, and with how many threads.
 struct RunOptions {
@@ -40,9 +41,14 @@ struct RunOptions {
   bool is_forced = false;  ///< use the poses even if they do not fit
   int threads = 0;         ///< 0: one per core
 };
-/// SCANS, --topic, --bin-fields.
+/// SCANS, --topic, and which part of them.
 void add_scans_options(CLI::App& verb, std::filesystem::path& scans, ScanOptions& reading);
 void add_run_options(CLI::App& verb, RunOptions& options);
+/// An option of a pose, "x y z qx qy qz qw", which `take` is given.
+CLI::Option* add_pose_option(CLI::App& verb, const std::string& name, const std::string& help,
+                             std::function<void(const Pose& pose)> take);
+/// --extrinsic and --calib: what poses or odometry are of, if not of the sensor.
+void add_mount_options(CLI::App& verb, ScanOptions& reading);
 void add_threads_option(CLI::App& verb, int& threads);
 
 void add_leaf_option(CLI::App& verb, double& leaf);

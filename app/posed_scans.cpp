@@ -29,6 +29,8 @@ ScanPoses::ScanPoses(std::string poses, const std::filesystem::path& scans, Scan
     options.reference = name_;
   } else {
     poses_ = read_trajectory(name_);
+    if (!options.mount) return;
+    for (StampedPose& pose : poses_) pose.T_map_sensor = options.mount->sensor_of(pose.T_map_sensor);
   }
 }
 

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Geometry>
+
 #include "app/program.hpp"
 #include "bags/bag_writer.hpp"
 #include <evermap/io/cloud.hpp>
@@ -107,6 +109,60 @@ TEST_F(BagsTest, OdometryOfABagIsUsedUnlessItIsDeclined) {
   ASSERT_EQ(run(localize).exit_code, 0);
   const std::vector<StampedPose> found = read_poses(path("poses.txt")).poses;
   EXPECT_NEAR(found.front().time.value_or(0), kStart, 1e-5);
+}
+
+TEST_F(BagsTest, PosesAreWrittenAsABagOfTheBaseThatCanBeUsedAsPoses) {
+  std::vector<WrittenMessage> recorded = messages(Wire::kCdr);
+  const Pose T_base_sensor{Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()).toRotationMatrix(),
+                           {0.4, 0, 1.2}};
+  recorded.insert(recorded.begin(),
+                  {"/tf_static", "tf2_msgs/TFMessage", kStart - 1,
+                   transform_message(Wire::kCdr, kStart - 1, "lidar", "vehicle", T_base_sensor.inverse())});
+  make("drive.mcap", mcap_bag(recorded, Wire::kCdr));
+  map_of("drive", name("stamped.txt"));
+  std::filesystem::rename(path("out.evm"), path("map.evm"));
+  const auto localized = [&](const std::string& poses, std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"localize", name("map.evm"), name("drive.mcap"), "-o", name(poses)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  expect_done(localized("sensor.txt", {}));
+  expect_done(localized("vehicle.mcap", {"--base-frame", "vehicle", "--map-frame", "world"}));
+  expect_done(localized("vehicle.kitti", {"--base-frame", "vehicle"}));
+  const std::vector<StampedPose> of_sensor = read_poses(path("sensor.txt")).poses;
+  const std::vector<StampedPose> of_vehicle = read_poses(path("vehicle.kitti")).poses;
+  ASSERT_EQ(of_sensor.size(), static_cast<std::size_t>(kScans));
+  ASSERT_EQ(of_vehicle.size(), of_sensor.size());
+  for (std::size_t i = 0; i < of_sensor.size(); ++i) {
+    const Pose expected = of_sensor[i].T_map_sensor * T_base_sensor.inverse();
+    EXPECT_LT((of_vehicle[i].T_map_sensor.translation - expected.translation).norm(), 1e-6);
+  }
+  const Result summary = run({"info", name("vehicle.mcap")});
+  for (const std::string text :
+       {"/evermap/odometry  nav_msgs/Odometry  6 messages", "frames   vehicle world"})
+    EXPECT_NE(summary.out.find(text), std::string::npos) << summary.out << "lacks: " << text;
+  expect_failed(localized("none.txt", {"--base-frame", "boat"}), "nothing tells where boat is on the sensor");
+}
+
+TEST_F(BagsTest, PosesOfAVehicleBecomeThoseOfTheSensorByTheExtrinsic) {
+  make("drive.bag", ros1_bag(messages(Wire::kRos1)));
+  const std::string expected = map_of("drive", name("stamped.txt"));
+  const Pose T_vehicle_sensor{Eigen::Matrix3d::Identity(), {0.5, 0.25, 1}};
+  std::vector<StampedPose> of_vehicle = poses_;
+  for (StampedPose& pose : of_vehicle) pose.T_map_sensor = pose.T_map_sensor * T_vehicle_sensor.inverse();
+  write_tum_poses(path("vehicle.txt"), of_vehicle);
+  const std::vector<std::string> build = {
+      "build", name("drive"), "--poses",           name("vehicle.txt"), "-r",
+      "0.4",   "-o",          name("mounted.evm"), "--extrinsic",       "0.5 0.25 1 0 0 0 1"};
+  expect_done(build);
+  EXPECT_EQ(content(path("mounted.evm")).size(), expected.size());
+  std::filesystem::remove(path("out.evm"));
+  expect_failed({"build", name("drive.bag"), "--poses", "map", "-r", "0.4", "-o", name("out.evm"),
+                 "--extrinsic", "0 0 1 0 0 0 1"},
+                "its /tf tells where the sensor is");
+  expect_failed(
+      {"localize", name("mounted.evm"), name("drive"), "-o", name("p.txt"), "--extrinsic", "0 0 1 0 0 0 1"},
+      "tells nothing without --odometry");
 }
 
 TEST_F(BagsTest, WhatCannotBeUsedIsNamed) {

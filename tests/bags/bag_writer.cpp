@@ -77,30 +77,9 @@ void run(sqlite3* database, const std::string& statement) {
 
 }  // namespace
 
-MessageWriter& MessageWriter::text(const std::string& text) {
-  const std::string ended = wire_ == Wire::kCdr ? text + '\0' : text;
-  number(static_cast<std::uint32_t>(ended.size()));
-  return raw(ended);
-}
-
-MessageWriter& MessageWriter::header(double time, const std::string& frame) {
-  if (wire_ == Wire::kRos1) number<std::uint32_t>(7);
-  const auto seconds = static_cast<std::uint32_t>(std::floor(time));
-  number(seconds);
-  number(static_cast<std::uint32_t>(std::llround((time - seconds) * 1e9)));
-  return text(frame);
-}
-
-MessageWriter& MessageWriter::pose(const Pose& pose) {
-  const Eigen::Quaterniond q(pose.rotation);
-  for (const double value : pose.translation) number(value);
-  for (const double value : {q.x(), q.y(), q.z(), q.w()}) number(value);
-  return *this;
-}
-
 std::string cloud_message(Wire wire, double time, const std::string& frame,
                           const std::vector<CloudPoint>& points, std::endian order) {
-  MessageWriter message(wire, order);
+  WireWriter message(wire, order);
   message.header(time, frame).number<std::uint32_t>(1).number(static_cast<std::uint32_t>(points.size()));
   message.number<std::uint32_t>(4);
   const auto field = [&](const std::string& name, std::uint32_t offset) {
@@ -123,13 +102,13 @@ std::string cloud_message(Wire wire, double time, const std::string& frame,
 
 std::string transform_message(Wire wire, double time, const std::string& parent, const std::string& child,
                               const Pose& T_parent_child) {
-  MessageWriter message(wire);
+  WireWriter message(wire);
   return message.number<std::uint32_t>(1).header(time, parent).text(child).pose(T_parent_child).bytes();
 }
 
 std::string odometry_message(Wire wire, double time, const std::string& frame, const std::string& child,
                              const Pose& T_frame_child) {
-  MessageWriter message(wire);
+  WireWriter message(wire);
   message.header(time, frame).text(child).pose(T_frame_child);
   for (int i = 0; i < 36 + 6 + 36; ++i) message.number(0.0);
   return message.bytes();

@@ -7,41 +7,10 @@
 #include <vector>
 
 #include "files/file_fixture.hpp"
-#include <evermap/bags/detail/wire_reader.hpp>
+#include <evermap/bags/detail/wire_writer.hpp>
 #include <evermap/geometry/pose.hpp>
 
 namespace evermap {
-
-/// Serializes one message as ROS 1 or ROS 2 does.
-class MessageWriter {
- public:
-  explicit MessageWriter(Wire wire, std::endian order = std::endian::little) : wire_(wire), order_(order) {
-    if (wire_ == Wire::kCdr) bytes_ = {'\0', order_ == std::endian::little ? '\1' : '\0', '\0', '\0'};
-  }
-
-  template <class T>
-  MessageWriter& number(T value) {
-    if (wire_ == Wire::kCdr) {
-      while (bytes_.size() % sizeof(T) != 4 % sizeof(T)) bytes_ += '\0';
-    }
-    bytes_ += bytes_of<T>({value}, order_);
-    return *this;
-  }
-  MessageWriter& text(const std::string& text);
-  MessageWriter& header(double time, const std::string& frame);
-  MessageWriter& pose(const Pose& pose);
-  MessageWriter& raw(const std::string& bytes) {
-    bytes_ += bytes;
-    return *this;
-  }
-
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  Wire wire_;
-  std::endian order_;
-  std::string bytes_;
-};
 
 struct CloudPoint {
   float x, y, z;

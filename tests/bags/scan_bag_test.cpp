@@ -336,7 +336,7 @@ TEST_F(ScanBagTest, BigEndianPointsAreRead) {
 
 TEST_F(ScanBagTest, LivoxsOwnMessageIsRead) {
   for (const Wire wire : {Wire::kRos1, Wire::kCdr}) {
-    MessageWriter message(wire);
+    WireWriter message(wire);
     message.header(kStart, "livox").number<std::uint64_t>(1700000000500000000).number<std::uint32_t>(3);
     message.number<std::uint8_t>(1).raw("abc").number<std::uint32_t>(3);
     for (std::uint32_t i = 0; i < 3; ++i) {

@@ -63,6 +63,46 @@ TEST_F(PosesTest, KittiIsRowMajor) {
   EXPECT_LT((poses[0].T_map_sensor * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(10, 21, 30)).norm(), 1e-12);
 }
 
+TEST_F(PosesTest, KittiIsWrittenAsItIsRead) {
+  const std::vector<StampedPose> poses = read("1 0.1 -0.2 3 0 0 0.6 0.8\n2 1e6 0 -4 0 0.28 0 0.96\n");
+  write_kitti_poses(path("poses.kitti"), poses);
+  const std::vector<StampedPose> again = read_poses(path("poses.kitti")).poses;
+  ASSERT_EQ(again.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_FALSE(again[i].time);
+    EXPECT_LT((again[i].T_map_sensor.rotation - poses[i].T_map_sensor.rotation).norm(), 1e-11);
+    EXPECT_LT((again[i].T_map_sensor.translation - poses[i].T_map_sensor.translation).norm(), 1e-5);
+  }
+}
+
+TEST_F(PosesTest, CalibrationTurnsPosesOfACameraIntoThoseOfTheLidar) {
+  // The camera sits 0.3 m ahead of the LiDAR and 0.1 m below it, and looks along its x axis.
+  const SensorMount mount = read_kitti_calibration(
+      make("calib.txt", "P0: 7 0 6 0 0 7 2 0 0 0 1 0\nTr: 0 -1 0 0 0 0 -1 -0.1 1 0 0 -0.3\n"));
+  const Pose T_lidar_camera = mount.T_base_sensor.inverse();
+  EXPECT_LT((T_lidar_camera.translation - Eigen::Vector3d(0.3, 0, -0.1)).norm(), 1e-12);
+  EXPECT_EQ(mount.sensor_of(Pose{}).translation.norm(), 0);
+  const Pose ahead{Eigen::Matrix3d::Identity(), {0, 0, 5}};  // along the camera's z axis
+  EXPECT_LT((mount.sensor_of(ahead).translation - Eigen::Vector3d(5, 0, 0)).norm(), 1e-12);
+
+  const SensorMount raw = read_kitti_calibration(
+      make("calib_velo_to_cam.txt", "calib_time: 15-Mar-2012\nR: 0 -1 0 0 0 -1 1 0 0\nT: 0 -0.1 -0.3\n"));
+  EXPECT_EQ(raw.T_base_sensor.translation, mount.T_base_sensor.translation);
+  EXPECT_EQ(raw.T_base_sensor.rotation, mount.T_base_sensor.rotation);
+}
+
+TEST_F(PosesTest, WhatIsNoCalibrationIsNamed) {
+  for (const auto& [text, message] :
+       std::vector<std::pair<std::string, std::string>>{{"1 0 0 0 0 1 0 0 0 0 1 0\n", "no line \"Tr:\""},
+                                                        {"Tr: 1 2 3\n", "no line \"Tr:\""},
+                                                        {"Tr: 1 0 0 0 0 1 0 0 0 0 x 0\n", "no number"},
+                                                        {"R: 1 0 0 0 1 0 0 0 nan\nT: 0 0 0\n", "no number"},
+                                                        {"Tr: 1 0 0 0 0 2 0 0 0 0 1 0\n", "no rotation"}}) {
+    const std::filesystem::path file = make("calib.txt", text);
+    file_error(file, message, [&] { read_kitti_calibration(file); });
+  }
+}
+
 TEST_F(PosesTest, RoundedMatricesBecomeRotations) {
   const auto poses = read("0.9998 -0.0175 0 0 0.0175 0.9998 0 0 0 0 1 0");
   EXPECT_TRUE(is_rotation(poses.at(0).T_map_sensor.rotation, 1e-12));

@@ -51,6 +51,25 @@ TEST_F(ScanFolderTest, NumbersInNamesAreCounted) {
   order({"scan.bin", "scan1.bin", "scan2.bin"});
 }
 
+TEST_F(ScanFolderTest, AFormatThatIsNamedChoosesFilesOrReadsThemWhateverTheirNames) {
+  make_scan("1.bin", 1);
+  make("1.pcd", "another format");
+  file_error(folder_, "choose one by --format", [&] { ScanFolder{folder_}; });
+  ScanFolder chosen(folder_, {.format = ".bin"});
+  ASSERT_EQ(chosen.size(), 1U);
+  EXPECT_EQ(chosen.next()->p_sensor.at(0).x(), 1);
+
+  std::filesystem::remove_all(folder_);
+  std::filesystem::create_directory(folder_);
+  make_scan("10.lidar", 10);
+  make_scan("9.lidar", 9);
+  file_error(folder_, "holds no scan", [&] { ScanFolder{folder_}; });
+  ScanFolder named(folder_, {.format = ".bin"});
+  ASSERT_EQ(named.size(), 2U);
+  EXPECT_EQ(named.next()->p_sensor.at(0).x(), 9);
+  EXPECT_EQ(read_cloud(path("10.lidar"), {.format = ".bin"}).p_sensor.at(0).x(), 10);
+}
+
 TEST_F(ScanFolderTest, CompressedScansHaveTheOrderOfTheirTimes) {
   make("10.25.bin.gz", "x");
   make("10.5.bin.gz", "x");

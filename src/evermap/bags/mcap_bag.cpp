@@ -4,24 +4,12 @@
 #include <zlib.h>
 
 #include <evermap/bags/detail/mcap_bag.hpp>
+#include <evermap/bags/detail/mcap_format.hpp>
 
 namespace evermap {
 namespace {
 
-constexpr std::string_view kMcapMagic("\x89MCAP0\r\n", 8);
 constexpr std::size_t kRecordHead = 9;  // [bytes] op and length
-
-struct McapOp {
-  enum : unsigned {
-    kFooter = 2,
-    kSchema = 3,
-    kChannel = 4,
-    kMessage = 5,
-    kChunk = 6,
-    kStatistics = 11,
-    kDataEnd = 15,
-  };
-};
 
 /// MCAP's own records are packed and little endian, with lengths of 32 bits, like messages of ROS 1.
 WireReader reader_of(std::string_view content) { return {content, Wire::kRos1}; }

@@ -56,17 +56,24 @@ bool has_transforms(const BagReader& bag) {
 ScanBag::ScanBag(const std::filesystem::path& path, const ScanOptions& options)
     : bag_(open_bag(path)),
       topic_(find_cloud_topic(*bag_, options.topic)),
-      reference_topic_(find_pose_topic(*bag_, options.reference)) {
+      base_(options.base),
+      reference_topic_(find_pose_topic(*bag_, options.reference)),
+      mount_(options.mount) {
   const bool is_wanted = options.is_reference_needed || has_transforms(*bag_);
   if (!reference_topic_ && is_wanted) reference_frame_ = options.reference;
   if (!reference_frame_.empty() && !has_transforms(*bag_)) {
     throw FileError(path, "has neither a topic of poses named " + options.reference +
                               " nor a /tf that could know such a frame; evermap info lists what it has");
   }
+  if (mount_ && !reference_topic_) {
+    throw FileError(path,
+                    "its /tf tells where the sensor is; an extrinsic is for a file or a topic of poses");
+  }
   std::vector<bool> selected(bag_->topics().size());
   for (std::size_t i = 0; i < selected.size(); ++i) {
     const bool is_transform = kind_of(bag_->topics()[i].type) == MessageKind::kTransforms;
-    selected[i] = i == topic_ || i == reference_topic_ || (is_transform && !options.reference.empty());
+    selected[i] = i == topic_ || i == reference_topic_ ||
+                  (is_transform && !(options.reference.empty() && base_.empty()));
   }
   bag_->select(std::move(selected));
 }
@@ -86,6 +93,7 @@ std::optional<Scan> ScanBag::next() {
   now_ = std::move(waiting_.front().message);
   waiting_.pop_front();
   ++count_;
+  end_ = *now_.scan.time;
   return std::exchange(now_.scan, {});
 }
 
@@ -119,9 +127,14 @@ bool ScanBag::is_due(const Cloud& cloud) const {
 
 std::optional<Pose> ScanBag::pose_at(double time) const { return pose_of(now_, time); }
 
+std::optional<Pose> ScanBag::base_pose() const {
+  return base_.empty() ? std::nullopt : transforms_.lookup(now_.frame, base_, end_);
+}
+
 std::optional<Pose> ScanBag::pose_of(const CloudMessage& cloud, double time) const {
   if (!reference_frame_.empty()) return transforms_.lookup(reference_frame_, cloud.frame, time);
   std::optional<Pose> T_reference_child = reference_.at(time);
+  if (T_reference_child && mount_) return mount_->sensor_of(*T_reference_child);
   if (!T_reference_child || child_.empty() || child_ == cloud.frame) return T_reference_child;
   // A recording without transforms of the sensor: its poses are taken for the sensor's own.
   return *T_reference_child * transforms_.lookup(child_, cloud.frame, time).value_or(Pose{});
@@ -133,7 +146,7 @@ std::vector<std::string> ScanBag::remarks() const {
     remarks.push_back(bag_->damage() + "; what comes before, " + std::to_string(count_) + " of " +
                       std::to_string(size()) + " clouds, was read");
   }
-  if (!child_.empty() && child_ != now_.frame && !transforms_.connects(child_, now_.frame)) {
+  if (!mount_ && !child_.empty() && child_ != now_.frame && !transforms_.connects(child_, now_.frame)) {
     remarks.push_back("/tf does not say where the sensor (" + now_.frame + ") is on " + child_ +
                       ", whose poses " + bag_->topics()[*reference_topic_].name +
                       " tells; they were taken for the sensor's");

@@ -4,10 +4,12 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <evermap/io/cloud.hpp>
 #include <evermap/io/detail/selected_scans.hpp>
+#include <evermap/io/poses.hpp>
 
 namespace evermap {
 
@@ -18,6 +20,9 @@ struct ScanOptions {
   ScanSelection selection = {};
   std::string reference = {};  ///< what pose_at() tells: a topic of poses, or a frame of /tf; empty: nothing
   bool is_reference_needed = true;  ///< or a bag may have none
+  std::string base = {};            ///< the frame that base_pose() tells; empty: nothing
+  std::optional<SensorMount> mount =
+      {};  ///< of the sensor on what poses are of, where the recording does not tell
 };
 
 /// Whether a path is a bag, by its name: .bag, .db3, .mcap, these with .zstd behind, or a folder that holds

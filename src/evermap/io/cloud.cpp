@@ -59,14 +59,18 @@ constexpr std::array<Format, 11> kFormats = {{{".bin", read_bin_cloud},
                                               {".txt", read_any_text},
                                               {".csv", read_any_text}}};
 
+const Format* format_named(const std::string& extension) {
+  const auto* format = std::find_if(kFormats.begin(), kFormats.end(),
+                                    [&](const Format& known) { return known.extension == extension; });
+  return format == kFormats.end() ? nullptr : format;
+}
+
 const Format* format_of(const std::filesystem::path& path) {
   std::string extension = without_gzip(path).extension().string();
   for (char& c : extension) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   }
-  const auto* format = std::find_if(kFormats.begin(), kFormats.end(),
-                                    [&](const Format& known) { return known.extension == extension; });
-  return format == kFormats.end() ? nullptr : format;
+  return format_named(extension);
 }
 
 }  // namespace
@@ -77,13 +81,19 @@ std::optional<std::string_view> cloud_extension(const std::filesystem::path& pat
   return format->extension;
 }
 
+std::vector<std::string> cloud_extensions() {
+  std::vector<std::string> extensions;
+  for (const Format& format : kFormats) extensions.emplace_back(format.extension);
+  return extensions;
+}
+
 bool is_text_cloud(const std::filesystem::path& path) {
   const Format* format = format_of(path);
   return format != nullptr && format->read == read_any_text;
 }
 
 Scan read_cloud(const std::filesystem::path& path, const CloudOptions& options, CloudNotes* notes) {
-  const Format* format = format_of(path);
+  const Format* format = options.format.empty() ? format_of(path) : format_named(options.format);
   if (format == nullptr) {
     throw FileError(path, "is no known kind of point cloud; known are " + std::string(kCloudExtensions));
   }

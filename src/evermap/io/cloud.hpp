@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <evermap/io/detail/cloud_notes.hpp>
 #include <evermap/scan/scan.hpp>
@@ -18,13 +20,18 @@ inline constexpr std::string_view kCloudExtensions =
 
 /// What a user knows of a file better than the file says.
 struct CloudOptions {
-  std::optional<std::size_t> bin_fields;  ///< float32 values a point in a .bin file, see read_bin
-  bool ignore_viewpoint = false;          ///< of a PCD file: the scan has no pose
+  /// The extension of its format, ".pcd", whatever the file's own; empty: its own tells.
+  std::string format = {};
+  std::optional<std::size_t> bin_fields = {};  ///< float32 values a point in a .bin file, see read_bin
+  bool ignore_viewpoint = false;               ///< of a PCD file: the scan has no pose
 };
 
 /// The extension of `path`, less .gz and in lower case, when read_cloud knows it, none otherwise. Does not
 /// look at the file.
 std::optional<std::string_view> cloud_extension(const std::filesystem::path& path);
+
+/// The extensions by themselves.
+std::vector<std::string> cloud_extensions();
 
 /// Whether read_cloud would read a text, which beside other files is mostly something else: times, or poses.
 bool is_text_cloud(const std::filesystem::path& path);

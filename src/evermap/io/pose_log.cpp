@@ -33,7 +33,7 @@ std::string tum_row(const std::filesystem::path& path, const StampedPose& pose) 
   return {row.data(), static_cast<std::size_t>(size)};
 }
 
-PoseLog::PoseLog(std::filesystem::path poses) : poses_(std::move(poses)), path_(poses_.string() + ".part") {
+PoseLog::PoseLog(const std::filesystem::path& poses) : path_(poses.string() + ".part") {
   constexpr unsigned kAll = 0666;  // what the user's umask leaves of it
   do {
     descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kAll);
@@ -54,9 +54,6 @@ void PoseLog::extend(const std::vector<StampedPose>& trajectory) {
 
 void PoseLog::sync() { check_log(path_, sync_to_device(descriptor_)); }
 
-void PoseLog::finish(const std::vector<StampedPose>& trajectory) {
-  write_tum_poses(poses_, trajectory);
-  ::unlink(path_.c_str());
-}
+void PoseLog::discard() { ::unlink(path_.c_str()); }
 
 }  // namespace evermap

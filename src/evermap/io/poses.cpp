@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <locale>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -96,9 +98,61 @@ PoseFile read_poses(const std::filesystem::path& path) {
   return {std::move(poses), unit};
 }
 
+SensorMount read_kitti_calibration(const std::filesystem::path& path) {
+  const InputFile file(path);
+  TextLines lines(file);
+  std::vector<double> transform, rotation, translation;
+  while (lines.next_filled()) {
+    std::string_view rest = lines.line();
+    const std::string_view key = next_token(rest);
+    std::vector<double>* const values = key == "Tr:"  ? &transform
+                                        : key == "R:" ? &rotation
+                                        : key == "T:" ? &translation
+                                                      : nullptr;
+    if (values == nullptr) continue;
+    values->clear();
+    for (std::string_view token = next_token(rest); !token.empty(); token = next_token(rest)) {
+      const std::optional<double> number = parse_number(token);
+      if (!number || !std::isfinite(*number)) lines.fail(in_quotes(token) + " is no number; correct it");
+      values->push_back(*number);
+    }
+  }
+  if (transform.empty() && rotation.size() == 9 && translation.size() == 3) {
+    for (std::size_t row = 0; row < 3; ++row) {
+      transform.insert(transform.end(), rotation.begin() + static_cast<std::ptrdiff_t>(3 * row),
+                       rotation.begin() + static_cast<std::ptrdiff_t>(3 * row + 3));
+      transform.push_back(translation[row]);
+    }
+  }
+  if (transform.size() != kKittiColumns) {
+    file.fail(
+        "holds no line \"Tr:\" of 12 numbers (3x4), nor \"R:\" of 9 and \"T:\" of 3; is it a calib.txt of "
+        "KITTI?");
+  }
+  const Pose T_camera_lidar = kitti_pose(transform, lines).T_map_sensor;
+  return {T_camera_lidar, T_camera_lidar.inverse()};
+}
+
 void write_tum_poses(const std::filesystem::path& path, const std::vector<StampedPose>& poses) {
   AtomicFile file(path);
   for (const StampedPose& pose : poses) file.write(tum_row(path, pose));
+  file.commit();
+}
+
+void write_kitti_poses(const std::filesystem::path& path, const std::vector<StampedPose>& poses) {
+  AtomicFile file(path);
+  std::ostringstream rows;
+  rows.imbue(std::locale::classic());
+  rows.precision(12);
+  for (const StampedPose& pose : poses) {
+    const auto& [rotation, translation] = pose.T_map_sensor;
+    for (int row = 0; row < 3; ++row) {
+      rows << (row > 0 ? " " : "") << rotation(row, 0) << " " << rotation(row, 1) << " " << rotation(row, 2)
+           << " " << translation[row];
+    }
+    rows << "\n";
+  }
+  file.write(rows.str());
   file.commit();
 }
 

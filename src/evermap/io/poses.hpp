@@ -31,8 +31,26 @@ struct PoseFile {
 /// is told by their steps, which are taken for less than 20 s.
 PoseFile read_poses(const std::filesystem::path& path);
 
+/// Where a sensor is on what poses are of, and in which frame they are: T_map_sensor = T_map_reference *
+/// T_reference_base * T_base_sensor.
+struct SensorMount {
+  Pose T_base_sensor;
+  Pose T_map_reference;
+
+  Pose sensor_of(const Pose& T_reference_base) const {
+    return T_map_reference * T_reference_base * T_base_sensor;
+  }
+};
+
+/// Reads a KITTI calibration: `calib.txt` of the odometry benchmark (`Tr:`, 3x4) or `calib_velo_to_cam.txt`
+/// of the raw data (`R:`, 3x3, and `T:`). Poses of the camera, in the frame of its first one, become poses
+/// of the LiDAR in its own first frame, whose z axis points up. Throws FileError.
+SensorMount read_kitti_calibration(const std::filesystem::path& path);
+
 /// Writes TUM poses atomically, times with six decimals. Throws FileError when the file cannot be written.
 /// REQUIRES: every pose has a time.
 void write_tum_poses(const std::filesystem::path& path, const std::vector<StampedPose>& poses);
+/// The same as KITTI's rows, which have no times.
+void write_kitti_poses(const std::filesystem::path& path, const std::vector<StampedPose>& poses);
 
 }  // namespace evermap

@@ -32,6 +32,11 @@ class ScanSource {
   /// Where the sensor was at a time [s] during the last scan, in the frame that was asked for; none when the
   /// recording does not tell.
   virtual std::optional<Pose> pose_at(double /*time*/) const { return std::nullopt; }
+  /// T_sensor_base: where the base that was asked for is in the frame of the last scan; none when the
+  /// recording does not tell.
+  virtual std::optional<Pose> base_pose() const { return std::nullopt; }
+  /// The frame of the last scan's points; empty when the recording does not tell.
+  virtual std::string frame() const { return {}; }
   /// What is to be known of what was read up to now, a sentence each: damage that ended it, what was assumed.
   virtual std::vector<std::string> remarks() const { return {}; }
   /// Why it was given up before its end, in one line; empty as long as it was not.

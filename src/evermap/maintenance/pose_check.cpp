@@ -53,7 +53,8 @@ struct Mistake {
   std::string_view words;
 };
 constexpr std::string_view kOfACamera =
-    "they are of a camera, whose z axis looks ahead; give those of the LiDAR";
+    "they are of a camera, whose z axis looks ahead; give those of the LiDAR, or its extrinsic or "
+    "calibration";
 constexpr std::string_view kAScanApart = "they are a scan early or late";
 constexpr std::array<Mistake, 8> kMistakes = {{
     {of_camera, kOfACamera},

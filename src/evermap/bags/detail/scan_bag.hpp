@@ -21,6 +21,8 @@ class ScanBag : public ScanSource {
   std::string place() const override;
   const CloudNotes& notes() const override { return now_.notes; }
   std::optional<Pose> pose_at(double time) const override;
+  std::optional<Pose> base_pose() const override;
+  std::string frame() const override { return now_.frame; }
   std::vector<std::string> remarks() const override;
 
  private:
@@ -37,15 +39,18 @@ class ScanBag : public ScanSource {
 
   std::unique_ptr<BagReader> bag_;
   std::size_t topic_;            ///< of the clouds
+  std::string base_;             ///< frame; empty when it is not asked for
   std::string reference_frame_;  ///< empty when a topic tells, or nothing is asked for
   std::optional<std::size_t> reference_topic_;
   Trajectory reference_;  ///< T_reference_child of the reference topic
   std::string child_;     ///< of the reference topic; empty when it names none
+  std::optional<SensorMount> mount_;
   TransformBuffer transforms_;
   std::deque<Cloud> waiting_;  ///< for poses that come later in the bag
   double recorded_ = 0;        ///< [s] of the last message
   std::size_t count_ = 0;      ///< of clouds that were given
   CloudMessage now_;
+  double end_ = 0;  ///< [s] of that scan
 };
 
 }  // namespace evermap

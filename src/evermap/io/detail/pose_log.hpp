@@ -20,7 +20,7 @@ std::string tum_row(const std::filesystem::path& path, const StampedPose& pose);
 /// safe.
 class PoseLog {
  public:
-  explicit PoseLog(std::filesystem::path poses);
+  explicit PoseLog(const std::filesystem::path& poses);
   /// Leaves the file, unless it is empty.
   ~PoseLog();
   PoseLog(const PoseLog&) = delete;
@@ -32,11 +32,10 @@ class PoseLog {
   void extend(const std::vector<StampedPose>& trajectory);
   /// Now a power cut does not lose it, either.
   void sync();
-  /// Writes the whole trajectory to POSES, and removes the log.
-  void finish(const std::vector<StampedPose>& trajectory);
+  /// Removes the file: the trajectory is where it should be.
+  void discard();
 
  private:
-  std::filesystem::path poses_;
   std::filesystem::path path_;
   int descriptor_ = -1;
   std::size_t written_ = 0;  ///< poses

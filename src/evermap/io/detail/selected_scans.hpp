@@ -31,6 +31,8 @@ class SelectedScans : public ScanSource {
   std::string place() const override { return all_->place(); }
   const CloudNotes& notes() const override { return all_->notes(); }
   std::optional<Pose> pose_at(double time) const override { return all_->pose_at(time); }
+  std::optional<Pose> base_pose() const override { return all_->base_pose(); }
+  std::string frame() const override { return all_->frame(); }
   std::vector<std::string> remarks() const override;
   std::string failure() const override { return failure_; }
 
