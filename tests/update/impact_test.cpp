@@ -5,6 +5,7 @@
 #include <limits>
 #include <support/random_geometry.hpp>
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include <evermap/update/detail/impact.hpp>
@@ -67,6 +68,29 @@ TEST(PlaneOf, FindsTheThinDirection) {
     EXPECT_TRUE(plane.flat);
     EXPECT_NEAR(std::abs(plane.normal.dot(axes.col(0))), 1, 1e-9);
     EXPECT_NEAR(plane.sigma / thin, 1, 1e-6);
+  }
+}
+
+TEST(PlaneOf, IsWhatASolverForAllEigenvectorsSays) {
+  Random random(8);
+  for (int i = 0; i < 20000; ++i) {
+    const Matrix3d axes = random.rotation();
+    const auto variance = [&] { return std::pow(10.0, random.uniform(-6, -1)); };
+    const Matrix3d diagonal = Vector3d(variance(), variance(), variance()).asDiagonal();
+    const Matrix3d covariance = axes * diagonal * axes.transpose();
+    const Gaussian leaf{Vector3d::Zero(), 0.5 * (covariance + covariance.transpose()), 5};
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(leaf.covariance);
+    const Vector3d& values = eigen.eigenvalues();
+    const Plane plane = plane_of(leaf);
+    // [m^2] What rounding of the determinant comes to, in the smallest of its three factors.
+    const double rounding = 1e-15 * values[2] * values[2] / values[1];
+    if (std::abs(values[0] - 0.2 * values[1]) > 100 * rounding) {
+      ASSERT_EQ(plane.flat, values[0] < 0.2 * values[1]) << values.transpose();
+    }
+    if (!plane.flat) continue;
+    ASSERT_NEAR(plane.sigma * plane.sigma, values[0], 20 * rounding) << values.transpose();
+    ASSERT_GT(std::abs(plane.normal.dot(eigen.eigenvectors().col(0))), 1 - 1e-9)
+        << values.transpose();
   }
 }
 
