@@ -35,7 +35,9 @@ Plane plane_of(const Gaussian& leaf) {
   const double minors = S(0, 0) * S(1, 1) - S(0, 1) * S(0, 1) + S(0, 0) * S(2, 2) - S(0, 2) * S(0, 2) +
                         S(1, 1) * S(2, 2) - S(1, 2) * S(1, 2);
   const double determinant = S.determinant();
-  constexpr int kMostSteps = 12;  // of which a flat leaf needs five; roots that are almost equal need more
+  // The middle root is at most minors / largest, the largest at least the mean weighted by the roots.
+  const double most_of_middle = minors * trace / (trace * trace - 2 * minors);
+  constexpr int kMostSteps = 12;  // a flat leaf needs four
   double smallest = 0;
   for (int i = 0; i < kMostSteps; ++i) {
     const double value = ((smallest - trace) * smallest + minors) * smallest - determinant;
@@ -43,7 +45,8 @@ Plane plane_of(const Gaussian& leaf) {
     if (!(value < 0 && slope > 0)) break;
     const double step = -value / slope;
     smallest += step;
-    if (step < 1e-15 * trace) break;
+    if (smallest > kFlat * std::min(most_of_middle, (trace - smallest) / 2)) return {};
+    if (step < 1e-7 * smallest) break;  // the next one would be its square
   }
   const double sum_of_others = trace - smallest;
   const double product_of_others = minors - smallest * sum_of_others;
