@@ -96,9 +96,8 @@ void impact(benchmark::State& state) {
     for (const Encounter& met : encounters) {
       const Ray ray{bundles.origin_map, met.target.end_map};
       const Gaussian leaf = at.octree.gaussian(met.key, *met.leaf);
-      sum +=
-          evermap::impact(leaf, at.octree.grid().edge, ray, bundles.bundles()[met.bundle].points.covariance,
-                          met.target.until, error.at((leaf.mean - ray.origin).norm()), parameters);
+      JudgedLeaf judged(leaf, at.octree.grid().edge, error.at((leaf.mean - ray.origin).norm()), parameters);
+      sum += judged.impact(ray, bundles.bundles()[met.bundle].points.covariance, met.target.until);
     }
     benchmark::DoNotOptimize(sum);
   }

@@ -89,8 +89,7 @@ TEST(PlaneOf, IsWhatASolverForAllEigenvectorsSays) {
     }
     if (!plane.flat) continue;
     ASSERT_NEAR(plane.sigma * plane.sigma, values[0], 20 * rounding) << values.transpose();
-    ASSERT_GT(std::abs(plane.normal.dot(eigen.eigenvectors().col(0))), 1 - 1e-9)
-        << values.transpose();
+    ASSERT_GT(std::abs(plane.normal.dot(eigen.eigenvectors().col(0))), 1 - 1e-9) << values.transpose();
   }
 }
 
@@ -109,7 +108,8 @@ class DefaultImpact : public ::testing::Test {
   }
 
   double of(const Ray& ray, double free_fraction = 1, double error = 0) const {
-    return impact(ground_, kEdge, ray, 1e-4 * Matrix3d::Identity(), free_fraction, error, parameters_);
+    return JudgedLeaf(ground_, kEdge, error, parameters_)
+        .impact(ray, 1e-4 * Matrix3d::Identity(), free_fraction);
   }
 
   static constexpr double kEdge = 0.4;  ///< [m]

@@ -212,8 +212,9 @@ TEST(PaperImpact, IsEquation5WhereTheBundleResemblesTheLeafMost) {
     for (const auto rule : {ImpactRule::kEquation5Inverse, ImpactRule::kEquation5Printed}) {
       parameters.impact = rule;
       const double expected = equation5(e.leaf, travelling(e, t), rule);
-      EXPECT_NEAR(impact(e.leaf, 0.4, e.ray, e.bundle.covariance, 1, 0, parameters), expected, 1e-6);
-      EXPECT_EQ(impact(e.leaf, 0.4, e.ray, e.bundle.covariance, t * (1 - 1e-6), 0, parameters), 0);
+      JudgedLeaf leaf(e.leaf, 0.4, 0, parameters);
+      EXPECT_NEAR(leaf.impact(e.ray, e.bundle.covariance, 1), expected, 1e-6);
+      EXPECT_EQ(leaf.impact(e.ray, e.bundle.covariance, t * (1 - 1e-6)), 0);
       ++seen[expected == 0 ? 0 : expected < 1 ? 1 : 2];
     }
   }

@@ -125,9 +125,35 @@ double least_thickness(double range_sigma, const VoxelGrid& grid) {
 }
 
 const RayBundle* BundleGrid::find(VoxelKey key) const {
-  const auto found = std::lower_bound(bundles_.begin(), bundles_.end(), key,
-                                      [](const RayBundle& bundle, VoxelKey k) { return bundle.key < k; });
-  return found != bundles_.end() && found->key == key ? &*found : nullptr;
+  if (slots_.empty()) return nullptr;
+  const std::uint32_t slot = slots_[slot_of(key.brick())];
+  if (slot == 0) return nullptr;
+  const BrickOfBundles& brick = bricks_[slot - 1];
+  const auto layer = static_cast<std::size_t>(key.voxel_in_brick() >> 6);
+  const std::uint64_t bit = std::uint64_t{1} << (key.voxel_in_brick() & 63);
+  const std::uint64_t voxels = brick.layers[layer];
+  if ((voxels & bit) == 0) return nullptr;
+  return &bundles_[brick.first[layer] + static_cast<std::uint32_t>(std::popcount(voxels & (bit - 1)))];
+}
+
+std::size_t BundleGrid::slot_of(std::uint64_t brick) const {
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t slot = hash_bits(brick) & mask;
+  while (slots_[slot] != 0 && bricks_[slots_[slot] - 1].brick != brick) slot = (slot + 1) & mask;
+  return slot;
+}
+
+void BundleGrid::index_bundles() {
+  for (std::uint32_t i = 0; i < bundles_.size(); ++i) {
+    const VoxelKey key = bundles_[i].key;
+    if (bricks_.empty() || bricks_.back().brick != key.brick()) bricks_.push_back({key.brick()});
+    BrickOfBundles& brick = bricks_.back();
+    const auto layer = static_cast<std::size_t>(key.voxel_in_brick() >> 6);
+    if (brick.layers[layer] == 0) brick.first[layer] = i;
+    brick.layers[layer] |= std::uint64_t{1} << (key.voxel_in_brick() & 63);
+  }
+  slots_.resize(std::bit_ceil(2 * bricks_.size() + 1));
+  for (std::uint32_t i = 0; i < bricks_.size(); ++i) slots_[slot_of(bricks_[i].brick)] = i + 1;
 }
 
 BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid& grid,
@@ -166,6 +192,7 @@ BundleGrid condense(const Scan& scan, const Pose& T_map_sensor, const VoxelGrid&
     const auto in_voxel = std::span(runs).subspan(begin[voxel], begin[voxel + 1] - begin[voxel]);
     result.bundles_[i] = bundle_of(in_voxel, p_map, grid, thickness);
   });
+  result.index_bundles();
   return result;
 }
 

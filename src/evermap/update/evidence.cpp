@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -19,18 +21,52 @@ namespace {
 
 constexpr std::size_t kItemsPerTask = 32;  ///< bricks or leaves
 
+/// The leaves of one brick after the other, each judged by all rays that met it.
+class JudgedBrick {
+ public:
+  JudgedBrick(const Octree& octree, const Eigen::Vector3d& origin_map, const AlignmentError& error,
+              const UpdateParameters& parameters)
+      : octree_(octree), origin_map_(origin_map), error_(error), parameters_(parameters) {}
+
+  JudgedLeaf& leaf_of(const Encounter& encounter) {
+    if (leaves_.empty() || encounter.key.brick() != brick_) {
+      brick_ = encounter.key.brick();
+      leaves_.clear();
+      place_.fill(kNone);
+    }
+    std::int16_t& place = place_[static_cast<std::size_t>(encounter.key.voxel_in_brick())];
+    if (place == kNone) {
+      place = static_cast<std::int16_t>(leaves_.size());
+      const Gaussian leaf = octree_.gaussian(encounter.key, *encounter.leaf);
+      const double error = error_.at((leaf.mean - origin_map_).norm());
+      leaves_.emplace_back(leaf, octree_.grid().edge, error, parameters_);
+    }
+    return leaves_[static_cast<std::size_t>(place)];
+  }
+
+ private:
+  static constexpr std::int16_t kNone = -1;
+
+  const Octree& octree_;
+  const Eigen::Vector3d& origin_map_;
+  const AlignmentError& error_;
+  const UpdateParameters& parameters_;
+  std::uint64_t brick_ = 0;
+  std::vector<JudgedLeaf> leaves_;
+  std::array<std::int16_t, Brick::kChildren> place_{};  ///< of a voxel's leaf among them
+};
+
 /// Who contradicts the leaves of these bricks, sorted by leaf.
 std::vector<Contradiction> gather(const Octree& octree, const BundleGrid& bundles, const RayFan& fan,
                                   std::span<const PlacedBrick> bricks, const AlignmentError& error,
                                   const UpdateParameters& parameters) {
   std::vector<Contradiction> found;
+  JudgedBrick brick(octree, bundles.origin_map, error, parameters);
   for (const Encounter& encounter : find_encounters(bundles, fan, bricks, parameters)) {
     const RayBundle& bundle = bundles.bundles()[encounter.bundle];
     const Ray ray{bundles.origin_map, encounter.target.end_map};
-    const Gaussian leaf = octree.gaussian(encounter.key, *encounter.leaf);
-    const double error_there = error.at((leaf.mean - ray.origin).norm());
-    const double value = impact(leaf, octree.grid().edge, ray, bundle.points.covariance,
-                                encounter.target.until, error_there, parameters);
+    const double value =
+        brick.leaf_of(encounter).impact(ray, bundle.points.covariance, encounter.target.until);
     if (value <= 0 || encounter.key == bundle.key) continue;
     found.push_back({encounter.key, encounter.bundle, static_cast<float>(value)});
   }

@@ -10,19 +10,27 @@
 
 namespace evermap {
 
-Approach closest_approach(const Ray& ray, const Gaussian& leaf) {
+Eigen::Matrix3d adjugate_of(const Eigen::Matrix3d& S) {
+  Eigen::Matrix3d adjugate;
+  adjugate << S.col(1).cross(S.col(2)), S.col(2).cross(S.col(0)), S.col(0).cross(S.col(1));
+  return adjugate;
+}
+
+Approach closest_approach(const Ray& ray, const Gaussian& leaf, const Eigen::Matrix3d& adjugate) {
   // The line o + t d passes a Gaussian at the squared Mahalanobis distance w' S w / (d' adj(S) d), where
   // w = d x (mu - o) and adj(S) = det(S) S^-1: no inverse is needed.
-  const Eigen::Matrix3d& S = leaf.covariance;
   const Eigen::Vector3d d = ray.end - ray.origin;
   const Eigen::Vector3d to_leaf = leaf.mean - ray.origin;
-  const Eigen::Vector3d adjugate_d =
-      d.x() * S.col(1).cross(S.col(2)) + d.y() * S.col(2).cross(S.col(0)) + d.z() * S.col(0).cross(S.col(1));
+  const Eigen::Vector3d adjugate_d = adjugate * d;
   const double scale = d.dot(adjugate_d);
   const double fraction = to_leaf.dot(adjugate_d) / scale;
   if (fraction < 0) return {0, mahalanobis_squared(ray.origin, leaf)};
   const Eigen::Vector3d w = d.cross(to_leaf);
-  return {fraction, w.dot(S * w) / scale};
+  return {fraction, w.dot(leaf.covariance * w) / scale};
+}
+
+Approach closest_approach(const Ray& ray, const Gaussian& leaf) {
+  return closest_approach(ray, leaf, adjugate_of(leaf.covariance));
 }
 
 Plane plane_of(const Gaussian& leaf) {
@@ -91,43 +99,52 @@ double likelihood_of(const Approach& approach, double plateau) {
   return std::exp(-0.5 * std::max(0.0, approach.mahalanobis_squared - plateau));
 }
 
-/// Where a ray goes through the plane of a flat leaf. REQUIRES: its ends lie on either side.
-Approach crossing(const Plane& plane, const Gaussian& surface, const Ray& ray) {
-  const double origin_side = plane.normal.dot(ray.origin - surface.mean);
-  const double end_side = plane.normal.dot(ray.end - surface.mean);
-  const double fraction = origin_side / (origin_side - end_side);
-  return {fraction, mahalanobis_squared(ray.origin + fraction * (ray.end - ray.origin), surface)};
-}
-
-double default_impact(const Gaussian& leaf, double edge, const Ray& ray, double free_fraction, double error,
-                      const UpdateParameters& parameters) {
-  const double patch = parameters.patch_radius * parameters.patch_radius;
-  Approach approach = closest_approach(ray, predictive(leaf, {}, edge, parameters.extent_prior));
-  // A bound for all leaves, and exp(-x) <= 1 / (1 + x), turn most rays away before anything dear is computed.
-  if (parameters.least_impact * (1 + 0.5 * (approach.mahalanobis_squared - patch)) > 1) return 0;
-  const Plane plane = plane_of(leaf);
-  const bool is_plane_decisive = parameters.surface_crossing && plane.flat;
-  if (is_plane_decisive && !crosses(plane, leaf.mean, ray, error, parameters)) return 0;
-  if (plane.flat) {
-    const Gaussian surface = predictive(leaf, plane, edge, parameters.extent_prior);
-    // The line of a ray that grazes a surface comes close to it long before it goes through.
-    approach = is_plane_decisive ? crossing(plane, surface, ray) : closest_approach(ray, surface);
-  }
-  const double likelihood = likelihood_of(approach, plane.flat ? patch : 0);
-  if (likelihood < parameters.least_impact || approach.fraction > free_fraction) return 0;
-  return !is_plane_decisive && is_near_end(approach.fraction, ray, error, parameters) ? 0 : likelihood;
-}
-
 }  // namespace
 
-double impact(const Gaussian& leaf, double edge, const Ray& ray, const Eigen::Matrix3d& bundle_covariance,
-              double free_fraction, double error, const UpdateParameters& parameters) {
-  if (parameters.impact == ImpactRule::kClosestApproach) {
-    return default_impact(leaf, edge, ray, free_fraction, error, parameters);
-  }
-  const double t = closest_resemblance(ray, bundle_covariance, leaf);
-  if (t > free_fraction || is_near_end(t, ray, error, parameters)) return 0;
-  return equation5(leaf, bundle_at(t, ray, bundle_covariance), parameters.impact);
+JudgedLeaf::JudgedLeaf(const Gaussian& leaf, double edge, double error, const UpdateParameters& parameters)
+    : leaf_(leaf), edge_(edge), error_(error), parameters_(parameters) {
+  if (parameters.impact != ImpactRule::kClosestApproach) return;
+  anywhere_ = predictive(leaf, {}, edge, parameters.extent_prior);
+  adjugate_anywhere_ = adjugate_of(anywhere_.covariance);
+}
+
+void JudgedLeaf::find_plane() {
+  is_plane_known_ = true;
+  plane_ = plane_of(leaf_);
+  if (!plane_.flat) return;
+  surface_ = predictive(leaf_, plane_, edge_, parameters_.extent_prior);
+  surface_inverse_ = surface_.covariance.inverse();
+}
+
+/// Where a ray goes through the plane of a flat leaf. REQUIRES: its ends lie on either side.
+Approach JudgedLeaf::crossing(const Ray& ray) const {
+  const double origin_side = plane_.normal.dot(ray.origin - surface_.mean);
+  const double end_side = plane_.normal.dot(ray.end - surface_.mean);
+  const double fraction = origin_side / (origin_side - end_side);
+  const Eigen::Vector3d from_mean = ray.origin + fraction * (ray.end - ray.origin) - surface_.mean;
+  return {fraction, from_mean.dot(surface_inverse_ * from_mean)};
+}
+
+double JudgedLeaf::impact_by_approach(const Ray& ray, double free_fraction) {
+  const double patch = parameters_.patch_radius * parameters_.patch_radius;
+  Approach approach = closest_approach(ray, anywhere_, adjugate_anywhere_);
+  // A bound for all leaves, and exp(-x) <= 1 / (1 + x), turn most rays away before anything dear is computed.
+  if (parameters_.least_impact * (1 + 0.5 * (approach.mahalanobis_squared - patch)) > 1) return 0;
+  if (!is_plane_known_) find_plane();
+  const bool is_plane_decisive = parameters_.surface_crossing && plane_.flat;
+  if (is_plane_decisive && !crosses(plane_, leaf_.mean, ray, error_, parameters_)) return 0;
+  // The line of a ray that grazes a surface comes close to it long before it goes through.
+  if (plane_.flat) approach = is_plane_decisive ? crossing(ray) : closest_approach(ray, surface_);
+  const double likelihood = likelihood_of(approach, plane_.flat ? patch : 0);
+  if (likelihood < parameters_.least_impact || approach.fraction > free_fraction) return 0;
+  return !is_plane_decisive && is_near_end(approach.fraction, ray, error_, parameters_) ? 0 : likelihood;
+}
+
+double JudgedLeaf::impact(const Ray& ray, const Eigen::Matrix3d& bundle_covariance, double free_fraction) {
+  if (parameters_.impact == ImpactRule::kClosestApproach) return impact_by_approach(ray, free_fraction);
+  const double t = closest_resemblance(ray, bundle_covariance, leaf_);
+  if (t > free_fraction || is_near_end(t, ray, error_, parameters_)) return 0;
+  return equation5(leaf_, bundle_at(t, ray, bundle_covariance), parameters_.impact);
 }
 
 }  // namespace evermap

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <evermap/geometry/detail/neighbourhood.hpp>
+#include <evermap/map/detail/leaf_finder.hpp>
 #include <evermap/update/detail/surroundings.hpp>
 
 namespace evermap {
@@ -11,8 +12,9 @@ namespace {
 /// Calls f(key, surface) for the occupied leaf of this voxel and for those around it.
 template <class Function>
 void for_each_surface_around(const Octree& octree, VoxelKey center, Function&& f) {
+  LeafFinder leaves(octree);
   for_each_in_neighbourhood(center, [&](VoxelKey near) {
-    const Leaf* leaf = octree.find(near);
+    const Leaf* leaf = leaves.find(near);
     if (leaf != nullptr && leaf->occupied()) f(near, octree.gaussian(near, *leaf));
   });
 }
@@ -21,11 +23,19 @@ void for_each_surface_around(const Octree& octree, VoxelKey center, Function&& f
 
 Plane plane_around(const Octree& octree, VoxelKey key) {
   constexpr int kLeast = 4;  // leaves; fewer lie in a plane anyhow
-  Gaussian around;
+  const Eigen::Vector3d center = octree.grid().center(key);
+  int count = 0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // each leaf counts as much as another
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
   for_each_surface_around(octree, key, [&](VoxelKey /*near*/, const Gaussian& surface) {
-    around = merge(around, {surface.mean, surface.covariance, 1});  // each leaf as much as another
+    const Eigen::Vector3d from_center = surface.mean - center;
+    ++count;
+    sum += from_center;
+    moments += surface.covariance + from_center * from_center.transpose();
   });
-  return around.count < kLeast ? Plane{} : plane_of(around);
+  if (count < kLeast) return {};
+  const Eigen::Vector3d mean = sum / count;
+  return plane_of({mean, moments / count - mean * mean.transpose(), static_cast<double>(count)});
 }
 
 Plane plane_of_surface(const Octree& octree, VoxelKey key, const Gaussian& leaf) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -40,7 +41,20 @@ class BundleGrid {
  private:
   friend BundleGrid condense(const Scan&, const Pose&, const VoxelGrid&, const LidarParameters&, std::size_t);
 
+  /// The bundles of one brick of voxels: which there are, and where.
+  struct BrickOfBundles {
+    std::uint64_t brick;
+    std::array<std::uint64_t, 8> layers{};  ///< bits of the voxels that have one, layer by layer
+    std::array<std::uint32_t, 8> first{};   ///< index of each layer's first bundle
+  };
+
+  void index_bundles();
+  /// Where a brick is in the hash table, or would be.
+  std::size_t slot_of(std::uint64_t brick) const;
+
   std::vector<RayBundle> bundles_;
+  std::vector<BrickOfBundles> bricks_;
+  std::vector<std::uint32_t> slots_;  ///< hash table of indices into bricks_, plus 1; 0 is empty
 };
 
 /// The restricted voxel grid: all points of the scan in one voxel become one bundle.
