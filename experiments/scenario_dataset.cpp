@@ -92,17 +92,6 @@ void ScenarioDataset::find_dynamic_objects(std::vector<LabelledScan> labelled) {
   for (auto& [id, object] : objects) dynamic_objects_.push_back(std::move(object));
 }
 
-Scene ScenarioDataset::scene_without_movers(std::size_t scan) const {
-  Scene scene = drive_.scene(number(scan));
-  Scene kept{std::move(scene.vertices), {}, {}};
-  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
-    if (drive_.class_of(ScenarioDrive::object_of(scene.object[i])) == ObjectClass::kHighDynamic) continue;
-    kept.triangles.push_back(scene.triangles[i]);
-    kept.object.push_back(scene.object[i]);
-  }
-  return kept;
-}
-
 ScenarioDataset::Voxels ScenarioDataset::observed_by(std::size_t first_scan) const {
   Voxels voxels;
   for (std::size_t i = first_scan; i < scans_.size(); ++i) {
@@ -114,7 +103,7 @@ ScenarioDataset::Voxels ScenarioDataset::observed_by(std::size_t first_scan) con
 }
 
 Truth ScenarioDataset::truth(std::size_t scan) const {
-  Scene scene = scene_without_movers(scan);
+  Scene scene = drive_.settled_scene(number(scan));
   Truth truth;
   for (const SurfaceSample& sample : sample_surface(scene, choice_.truth_spacing)) {
     truth.surface.push_back(sample.p_map);
@@ -130,7 +119,7 @@ Truth ScenarioDataset::truth(std::size_t scan) const {
 }
 
 Changes ScenarioDataset::changes(double leaf) const {
-  const ChangeTruth change = change_truth(drive_.survey_scene(), scene_without_movers(scans_.size() - 1),
+  const ChangeTruth change = change_truth(drive_.survey_scene(), drive_.settled_scene(number(scans_.size() - 1)),
                                           choice_.truth_spacing, leaf / 2);
   const VoxelGrid grid{.edge = leaf};
   return {contradictable(within(area, change.unchanged), grid, rays()),
@@ -142,7 +131,7 @@ Points ScenarioDataset::observed_lately(const std::string& prefix, std::size_t s
   const Voxels voxels = observed_by(scans_.size() - lately);
   Points points;
   for (const auto& [p_map, solid] :
-       sample_surface(scene_without_movers(scans_.size() - 1), choice_.truth_spacing / 2)) {
+       sample_surface(drive_.settled_scene(number(scans_.size() - 1)), choice_.truth_spacing / 2)) {
     const auto key = kObserved.key(p_map);
     if (!key || !voxels.contains(key->bits())) continue;
     if (drive_.name_of(ScenarioDrive::object_of(solid)).starts_with(prefix)) points.push_back(p_map);

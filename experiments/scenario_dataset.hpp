@@ -46,7 +46,6 @@ class ScenarioDataset final : public Dataset {
  private:
   using Voxels = std::unordered_set<std::uint64_t>;
 
-  Scene scene_without_movers(std::size_t scan) const;
   Voxels observed_by(std::size_t first_scan) const;
   void find_dynamic_objects(std::vector<LabelledScan> labelled);
 

@@ -222,6 +222,17 @@ Scene ScenarioDrive::scene(std::size_t index) const {
   return scene;
 }
 
+Scene ScenarioDrive::settled_scene(std::size_t index) const {
+  Scene all = scene(index);
+  Scene settled{std::move(all.vertices), {}, {}};
+  for (std::size_t i = 0; i < all.triangles.size(); ++i) {
+    if (class_of(object_of(all.object[i])) == ObjectClass::kHighDynamic) continue;
+    settled.triangles.push_back(all.triangles[i]);
+    settled.object.push_back(all.object[i]);
+  }
+  return settled;
+}
+
 Scene ScenarioDrive::changing_scene(double time) const {
   Scene scene;
   add_objects(scene, scenario_, time, [](const ScenarioObject& o) { return state_in_run(o, true); });

@@ -58,6 +58,8 @@ class ScenarioDrive {
   /// The world in the survey and at a scan, for change_truth; each box of a body is a solid of its own.
   Scene survey_scene() const;
   Scene scene(std::size_t index) const;
+  /// The world at a scan without what moves: what a map should show.
+  Scene settled_scene(std::size_t index) const;
   /// The object that a solid of these scenes belongs to.
   static int object_of(int solid);
 
