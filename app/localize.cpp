@@ -9,8 +9,10 @@
 
 #include "localized_run.hpp"
 #include "options.hpp"
+#include "posed_scans.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
+#include <evermap/files/file_error.hpp>
 #include <evermap/history/map_store.hpp>
 #include <evermap/io/detail/pose_log.hpp>
 
@@ -22,6 +24,7 @@ struct LocalizeOptions {
   LocalizedScans scans;
   Pose initial_pose;  ///< of the first scan
   bool maintain = false;
+  bool resume = false;
   std::optional<int> rollback;  ///< [scans]
   std::optional<double> max_contradicting;
   std::optional<double> search;  ///< [m]
@@ -43,6 +46,21 @@ void check(const LocalizeOptions& options) {
   if (options.maintain) check_writable(options.map_out);
 }
 
+/// The poses of the run that is to go on: of one that was killed, in POSES.part.
+std::vector<StampedPose> poses_before(const LocalizeOptions& options) {
+  if (!options.scans.reading.base.empty())
+    throw std::runtime_error("--resume goes on from poses of the sensor; leave --base-frame out");
+  std::filesystem::path part = options.poses;
+  part += ".part";
+  std::error_code error;
+  const bool was_killed = std::filesystem::exists(part, error);
+  std::vector<StampedPose> poses = read_trajectory(was_killed ? part : options.poses);
+  if (!poses.front().time) throw FileError(options.poses, "has no times, which --resume needs");
+  spdlog::warn("{}: goes on after {} poses, the last at {:.3f} s", options.poses.string(), poses.size(),
+               *poses.back().time);
+  return poses;
+}
+
 void run_localize(const LocalizeOptions& options) {
   Parameters parameters = parameters_of(options.parameters);
   parameters.lidar.scan_period = scan_period_of(options.scans, parameters.lidar.scan_period);
@@ -51,14 +69,18 @@ void run_localize(const LocalizeOptions& options) {
       options.max_contradicting.value_or(parameters.localization.gate.max_contradicting);
   parameters.localization.relocation.reach =
       options.search.value_or(parameters.localization.relocation.reach);
+  LocalizedScans scans = options.scans;
+  if (options.resume) scans.before = poses_before(options);
   check(options);
   std::optional<MapStore> store;
   if (options.maintain) store.emplace(options.map_out, options.patience);
-  Octree map = store ? load_start(options.map, *store) : load_map_version(options.map);
+  const bool goes_on = options.resume && store && std::filesystem::exists(options.map_out);
+  const std::filesystem::path& start = goes_on ? options.map_out : options.map;
+  Octree map = store ? load_start(start, *store) : load_map_version(start);
   if (map.empty()) throw std::runtime_error(options.map.string() + " has no leaves to localize in");
   MapMaintainer maintainer(std::move(map), parameters,
                            options.maintain ? MapMode::kMaintenance : MapMode::kLocalization,
-                           options.initial_pose);
+                           scans.before.empty() ? options.initial_pose : scans.before.back().T_map_sensor);
   MapCause cause = cause_of("localize", options.scans.scans, parameters);
   if (store) store->begin(maintainer.map(), cause, options.journal);
   PoseLog log(options.poses);
@@ -66,8 +88,7 @@ void run_localize(const LocalizeOptions& options) {
     log.extend(run.trajectory);
     if (store && store->acknowledge([&] { return maintainer.map(); }, run.scans.size())) log.sync();
   };
-  const LocalizedRun run =
-      localize_scans(options.scans, maintainer, parameters.lidar.scan_period, acknowledge);
+  const LocalizedRun run = localize_scans(scans, maintainer, parameters.lidar.scan_period, acknowledge);
   write_trajectory(options.poses, run);
   log.discard();
   if (!options.states.empty()) write_states(options.states, run);
@@ -119,6 +140,8 @@ void add_localize(CLI::App& app) {
   verb->add_option("--map-out", options->map_out,
                    "Map to write with --maintain; may be the one to start from")
       ->type_name("OUT.evm");
+  verb->add_flag("--resume", options->resume,
+                 "Go on with a run that was stopped or killed: after its last pose, in the map that it left");
   const RollbackParameters defaults;
   verb->add_option("--rollback", options->rollback,
                    "Scans whose changes are undone when the robot turns out to be lost")

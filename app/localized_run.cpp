@@ -139,10 +139,14 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
   const std::unique_ptr<ScanSource> scans = open_scans(options.scans, reading);
   LocalizedRun result;
   result.frames = options.frames;
+  result.trajectory = options.before;
   std::string point_time;
   std::size_t backwards = 0;
   bool is_matched = false;
-  double time = -std::numeric_limits<double>::infinity();
+  constexpr double kRounded = 1e-6;  // [s] the last digit of a time in a file
+  const double resumed = options.before.empty() ? -std::numeric_limits<double>::infinity()
+                                                : *options.before.back().time + kRounded;
+  double time = resumed;
   result.run = run_over(scans->size(), options.threads, [&](const TakeScan& take) {
     const std::optional<Scan> scan = scans->next();
     if (!scan) return false;
@@ -155,7 +159,7 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
     const double now = scan->time.value_or(odometry.time(*scans).value_or(by_count));
     const std::optional<Pose> T_odom_sensor = odometry.end_of(*scan, *scans);
     if (now <= time) {
-      ++backwards;
+      backwards += time > resumed ? 1 : 0;
       return true;
     }
     time = now;

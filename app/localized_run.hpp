@@ -29,6 +29,8 @@ struct LocalizedScans {
   std::optional<double> rate;  ///< [Hz] scans per second, when not the parameters' scan_period
   int threads = 0;             ///< 0: one per core
   OdometryFrames frames;       ///< names for poses that are written as a bag
+  std::vector<StampedPose>
+      before;  ///< poses that an earlier run found; scans up to the last one are left out
 };
 /// Adds --odometry, --rate, --base-frame and --map-frame.
 void add_odometry_options(CLI::App& verb, LocalizedScans& options);

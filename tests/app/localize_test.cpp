@@ -175,6 +175,41 @@ TEST_F(LocalizeTest, ARunCanBeUndone) {
 }
 
 // Killed at any moment, what was acknowledged is the map of a run that ended there, to the bit.
+TEST_F(LocalizeTest, ARunThatWasStoppedOrKilledGoesOn) {
+  build_map();
+  for (const int signal : {SIGINT, SIGKILL}) {
+    for (const std::string file : {"poses.txt", "poses.txt.part", "kept.evm", "kept.evm.history"})
+      std::filesystem::remove(path(file));
+    const std::vector<std::string> maintain = {"--maintain", "--map-out", name("kept.evm"), "--sync", "1"};
+    std::vector<std::string> watched = maintain;
+    watched.emplace_back("--verbose");
+    const std::unique_ptr<Process> process = start(localize(watched));
+    for (int wait = 0; wait < 60'000; ++wait) {
+      if (std::filesystem::exists(path("stderr")) &&
+          content(path("stderr")).find("scan 5:") != std::string::npos)
+        break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    process->send(signal);
+    process->wait();
+    const bool is_part = std::filesystem::exists(path("poses.txt.part"));
+    const std::size_t before = read_poses(path(is_part ? "poses.txt.part" : "poses.txt")).poses.size();
+    EXPECT_GE(before, 4U);
+    std::vector<std::string> resumed = maintain;
+    resumed.emplace_back("--resume");
+    const Result result = run(localize(resumed));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE(result.err.find("goes on after " + std::to_string(before) + " poses"), std::string::npos)
+        << result.err;
+    EXPECT_EQ(result.err.find("not later"), std::string::npos) << result.err;
+    expect_poses("poses.txt", 0.03);
+    EXPECT_FALSE(std::filesystem::exists(path("poses.txt.part")));
+    expect_done({"info", name("kept.evm")});
+  }
+  std::filesystem::remove(path("poses.txt"));
+  expect_failed(localize({"--resume"}), "poses.txt");
+}
+
 TEST_F(LocalizeTest, WhatAKilledRunHadAcknowledgedIsThere) {
   build_map();
   const std::string before = content(path("map.evm"));
