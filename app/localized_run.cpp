@@ -285,7 +285,7 @@ Json to_json(const LocalizedRun& run) {
 }
 
 std::string to_text(const LocalizedRun& run) {
-  const double total = std::max<double>(1, static_cast<double>(run.run.scans_done));
+  const double total = std::max<double>(1, static_cast<double>(run.scans.size()));
   std::string text =
       fmt::format("states   {:.1f} % tracked: {} starting, {} tracking, {} degraded, {} lost\n",
                   100 * static_cast<double>(run.count(TrackingState::kTracking)) / total,
