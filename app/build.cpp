@@ -21,6 +21,7 @@ struct BuildOptions {
   LocalizedScans odometry;
   std::filesystem::path poses_out;  ///< empty when not asked for
   std::filesystem::path map;
+  MapFrame frame;
   double leaf = 0;      ///< [m]
   double patience = 0;  ///< [s]
   ParameterOptions parameters;
@@ -42,7 +43,7 @@ void finish(const BuildOptions& options, MapStore& store, const Octree& octree, 
 void build_from_poses(const BuildOptions& options, MapStore& store, const Parameters& parameters) {
   PosedScans scans(options.run.scans, options.run.poses, parameters.lidar.scan_period, options.run.reading);
   const VoxelGrid grid = VoxelGrid::around(scans.first_pose().translation, options.leaf);
-  MapMaintainer maintainer(Octree(grid), parameters, MapMode::kMapping);
+  MapMaintainer maintainer(Octree(grid, options.frame), parameters, MapMode::kMapping);
   PoseCheck check(Octree(grid), parameters.lidar, scans.poses());
   const Run run = run_over(scans, options.run.threads, maintainer, check_poses(check, options.run));
   finish(options, store, maintainer.map(), run);
@@ -56,7 +57,8 @@ void build_without_poses(const BuildOptions& options, MapStore& store, Parameter
   scans.reading = options.run.reading;
   scans.threads = options.run.threads;
   parameters.lidar.scan_period = scan_period_of(scans, parameters.lidar.scan_period);
-  MapMaintainer maintainer(Octree(VoxelGrid{.edge = options.leaf}), parameters, MapMode::kMapping);
+  MapMaintainer maintainer(Octree(VoxelGrid{.edge = options.leaf}, options.frame), parameters,
+                           MapMode::kMapping);
   std::optional<PoseLog> log;
   if (!options.poses_out.empty()) log.emplace(options.poses_out);
   const LocalizedRun run =
@@ -102,6 +104,7 @@ void add_build(CLI::App& app) {
   add_odometry_options(*verb, options->odometry);
   verb->add_option("-o,--output", options->map, "Map to write")->required()->type_name("MAP.evm");
   add_leaf_option(*verb, options->leaf);
+  add_frame_options(*verb, options->frame);
   add_range_options(*verb, options->parameters);
   add_config_option(*verb, options->parameters);
   add_wait_option(*verb, options->patience);

@@ -25,7 +25,8 @@ struct ImportOptions {
   std::filesystem::path cloud;
   CloudOptions reading;
   std::filesystem::path map;
-  double leaf = 0;      ///< [m]
+  double leaf = 0;  ///< [m]
+  MapFrame frame;
   double patience = 0;  ///< [s]
   ParameterOptions parameters;
   bool as_json = false;
@@ -87,7 +88,7 @@ void run_import(const ImportOptions& options) {
   const Pose T_map_cloud = cloud.T_map_sensor.value_or(Pose{});
   const Eigen::Vector3d center =
       cloud.p_sensor.empty() ? Eigen::Vector3d::Zero() : median(cloud, T_map_cloud);
-  Octree octree(VoxelGrid::around(center, options.leaf));
+  Octree octree(VoxelGrid::around(center, options.leaf), options.frame);
   const ScanResult::PointCounts points = add_survey(octree, cloud, T_map_cloud, parameters);
   check_any_used(points, options.cloud);
   store.create(octree, {"import of " + options.cloud.string(), ""});
@@ -110,6 +111,7 @@ void add_import(CLI::App& app) {
       ->required();
   verb->add_option("-o,--output", options->map, "Map to write")->required()->type_name("MAP.evm");
   add_cloud_options(*verb, options->reading);
+  add_frame_options(*verb, options->frame);
   verb->add_flag("--ignore-viewpoint", options->reading.ignore_viewpoint,
                  "Take the points of a PCD file as they are, whatever its VIEWPOINT says");
   add_leaf_option(*verb, options->leaf);

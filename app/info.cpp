@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <fmt/core.h>
@@ -47,15 +49,26 @@ std::uintmax_t file_bytes(const std::filesystem::path& map) {
   return error ? 0 : bytes;
 }
 
+std::string in_words(const std::optional<MapFrame::GeoPoint>& origin) {
+  if (!origin) return {};
+  return fmt::format(", its origin at {:.8f} north, {:.8f} east, {:.3f} m", origin->latitude,
+                     origin->longitude, origin->altitude);
+}
+
 void print_json(const InfoOptions& options, const Octree& octree) {
   const LeafCounts leaves(octree);
   Json json = {{"map", options.map.string()},
                {"leaf_edge_m", octree.grid().edge},
                {"grid_origin_m", to_vector(octree.grid().origin)},
+               {"frame", octree.frame().name},
+               {"origin", nullptr},
                {"leaves", {{"occupied", leaves.occupied}, {"pending", leaves.pending}}},
                {"extent_m", nullptr},
                {"file_bytes", file_bytes(options.map)},
                {"memory_bytes", octree.memory_bytes()}};
+  if (const auto& origin = octree.frame().origin)
+    json["origin"] = {
+        {"latitude", origin->latitude}, {"longitude", origin->longitude}, {"altitude", origin->altitude}};
   if (!octree.empty()) {
     const Box box = extent(octree);
     json["extent_m"] = {{"least", to_vector(box.least)}, {"greatest", to_vector(box.greatest)}};
@@ -70,6 +83,7 @@ void print_text(const InfoOptions& options, const Octree& octree) {
       "map      {}\nleaf     {} m\norigin   {:.3f} {:.3f} {:.3f} m\nleaves   {} occupied, {} pending\n",
       options.map.string(), octree.grid().edge, origin.x(), origin.y(), origin.z(), leaves.occupied,
       leaves.pending);
+  fmt::print("frame    {}{}\n", octree.frame().name, in_words(octree.frame().origin));
   if (!octree.empty()) {
     const auto [least, greatest] = extent(octree);
     fmt::print("extent   x {:.2f} to {:.2f} m, y {:.2f} to {:.2f} m, z {:.2f} to {:.2f} m\n", least.x(),

@@ -93,9 +93,6 @@ void add_odometry_options(CLI::App& verb, LocalizedScans& options) {
                   "Write poses of this frame, which /tf_static or --extrinsic connects with the sensor")
       ->type_name("FRAME")
       ->default_str("the sensor's");
-  verb.add_option("--map-frame", options.frames.frame, "Name of the map's frame, in poses written as a bag")
-      ->type_name("FRAME")
-      ->capture_default_str();
 }
 
 double scan_period_of(const LocalizedScans& options, double configured) {
@@ -138,7 +135,7 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
   }
   const std::unique_ptr<ScanSource> scans = open_scans(options.scans, reading);
   LocalizedRun result;
-  result.frames = options.frames;
+  result.frames.frame = maintainer.map().frame().name;
   result.trajectory = options.before;
   std::string point_time;
   std::size_t backwards = 0;

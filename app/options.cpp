@@ -146,6 +146,23 @@ void add_leaf_option(CLI::App& verb, double& leaf) {
       ->type_name("M");
 }
 
+void add_frame_options(CLI::App& verb, MapFrame& frame) {
+  constexpr int kNumbers = 3;
+  verb.add_option("--map-frame", frame.name, "Name of the map's frame, as in /tf")
+      ->type_name("FRAME")
+      ->capture_default_str();
+  const auto read = [&frame](const std::vector<double>& v) {
+    frame.origin = {v[0], v[1], v[2]};
+    if (!frame.origin->is_sound()) throw std::runtime_error("--origin: no place on earth");
+  };
+  verb.add_option_function<std::vector<double>>(
+          "--origin", read, "Where the map's origin is on earth, its x axis pointing east (WGS 84)")
+      ->delimiter(',')
+      ->expected(kNumbers)
+      ->type_name("LAT,LON,ALT")
+      ->default_str("unknown");
+}
+
 void check_leaf(double leaf) {
   if (is_leaf_edge(leaf)) return;
   throw std::runtime_error(fmt::format("a leaf edge of {} m is out of range; choose {} to {} m", leaf,

@@ -55,6 +55,9 @@ void add_leaf_option(CLI::App& verb, double& leaf);
 /// Throws std::runtime_error when the leaf edge [m] is out of range.
 void check_leaf(double leaf);
 
+/// --map-frame and --origin, of a map that is made.
+void add_frame_options(CLI::App& verb, MapFrame& frame);
+
 /// The map that a run starts from: `map.evm`, or a version of it, `map.evm@3`. A run that changes the file
 /// itself reads it through the store. Warns when the store had to bring something back.
 Octree load_start(const std::filesystem::path& map, MapStore& store);

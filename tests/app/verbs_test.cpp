@@ -141,6 +141,33 @@ TEST_F(VerbsTest, WhatIsExportedCanBeImported) {
   }
 }
 
+TEST_F(VerbsTest, AMapKeepsItsFrameAndItsPlaceOnEarth) {
+  make_drive("drive", 3, true);
+  expect_done({"build", name("drive"), "--poses", name("drive.txt"), "-r", "0.4", "-o", name("map.evm"),
+               "--map-frame", "site", "--origin", "48.137,11.575,520.5"});
+  const std::string expected = "frame    site, its origin at 48.13700000 north, 11.57500000 east, 520.500 m";
+  for (int i = 0; i < 2; ++i) {
+    expect_done(
+        {"update", name("map.evm"), name("drive"), "--poses", name("drive.txt"), "-o", name("map.evm")});
+    for (const std::string map : {"map.evm", "map.evm@1"}) {
+      const Result info = run({"info", name(map)});
+      EXPECT_NE(info.out.find(expected), std::string::npos) << map << ": " << info.out;
+    }
+  }
+  expect_done({"prune", name("map.evm"), "--keep", "0d", "--keep-daily", "0d"});
+  expect_done({"verify", name("map.evm")});
+  const Result pruned = run({"info", name("map.evm@3")});
+  EXPECT_NE(pruned.out.find(expected), std::string::npos) << pruned.out << pruned.err;
+  expect_done({"export", name("map.evm"), name("tiles"), "--tiles", "20"});
+  EXPECT_NE(content(path("tiles") / "map_projector_info.yaml").find("latitude: 48.1370000000"),
+            std::string::npos);
+  EXPECT_EQ(run({"import", name("drive/10000.bin"), "-r", "0.4", "-o", name("out.evm"), "--origin", "1,2"})
+                .exit_code,
+            2);
+  expect_failed({"import", name("drive/10000.bin"), "-r", "0.4", "-o", name("out.evm"), "--origin", "91,0,0"},
+                "no place on earth");
+}
+
 TEST_F(VerbsTest, BinFieldsAreSaidWhereTheFileDoesNotTell) {
   std::vector<float> values;  // x y z intensity ring: as plausible as 4 values a point
   for (int i = 0; i < 400; ++i) {

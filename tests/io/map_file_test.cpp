@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <cstring>
 
 #include <gtest/gtest.h>
@@ -88,6 +89,26 @@ RC_GTEST_FIXTURE_PROP(MapFileTest, ComesBackAsItWas, (unsigned seed)) {
   EXPECT_TRUE(saved(loaded) == first) << "saved twice, the bytes differ";
 }
 
+TEST_F(MapFileTest, AFrameComesBackAndNothingOfItMayChange) {
+  Octree octree(VoxelGrid{0.2}, {"site", MapFrame::GeoPoint{48.137, -11.575, 520.5}});
+  octree.find_or_insert(VoxelKey::from_voxel({1, 2, 3})).count = 5;
+  const std::string bytes = saved(octree);
+  EXPECT_TRUE(load_map(path("saved.evm")).frame() == octree.frame());
+  save_map(path("named.evm"), Octree(VoxelGrid{0.2}, {"hall 7", {}}));
+  EXPECT_EQ(load_map(path("named.evm")).frame().name, "hall 7");
+  EXPECT_FALSE(load_map(path("named.evm")).frame().origin);
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    std::string flipped = bytes;
+    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ (1 << bit % 8));
+    refusal(flipped, "");
+  }
+  for (std::size_t size = 0; size < bytes.size(); ++size) refusal(bytes.substr(0, size), "");
+  for (const MapFrame& bad :
+       {MapFrame{"", {}}, MapFrame{std::string(256, 'x'), {}}, MapFrame{"map", MapFrame::GeoPoint{91, 0, 0}},
+        MapFrame{"map", MapFrame::GeoPoint{0, 0, NAN}}})
+    file_error(path("bad.evm"), "not saved", [&] { save_map(path("bad.evm"), Octree(VoxelGrid{0.2}, bad)); });
+}
+
 TEST_F(MapFileTest, TheOrderInWhichLeavesCameDoesNotShow) {
   std::vector<std::pair<VoxelKey, Leaf>> leaves;
   small_map().for_each_leaf([&](VoxelKey key, const Leaf& leaf) { leaves.emplace_back(key, leaf); });
@@ -144,9 +165,9 @@ TEST_F(MapFileTest, DamageIsNamedByBlockAndByte) {
 
 TEST_F(MapFileTest, NewerFormatIsRefusedByName) {
   std::string bytes = saved(one_leaf());
-  put(bytes, kFormatOffset, std::uint32_t{2});
+  put(bytes, kFormatOffset, std::uint32_t{3});
   seal_header(bytes);
-  expect_at_byte(refusal(bytes, "made by a newer evermap: format 2, this program reads up to 1"),
+  expect_at_byte(refusal(bytes, "made by a newer evermap: format 3, this program reads up to 2"),
                  kFormatOffset);
 }
 

@@ -128,7 +128,9 @@ void MapStore::note_outside_change() {
 void MapStore::append_outside_change() {
   if (!read_map()) return;
   const std::vector<StoredVersion> all = history().versions();
-  if (!all.empty() && all.back().fingerprint == fingerprint_of(*in_place_).hex()) return;
+  const bool is_known = !all.empty() && all.back().fingerprint == fingerprint_of(*in_place_).hex() &&
+                        all.back().frame == in_place_->frame();
+  if (is_known) return;
   met_another_program_ = met_another_program_ || is_foreign_;
   const Octree before = all.empty() ? Octree(in_place_->grid()) : history_->checkout(all.back().number);
   history_->append(before, *in_place_,

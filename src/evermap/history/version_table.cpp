@@ -21,6 +21,8 @@ constexpr const char* kTables =
     " evermap TEXT, fingerprint TEXT, edge REAL, x REAL, y REAL, z REAL, leaves INTEGER, written INTEGER,"
     " removed INTEGER, is_whole INTEGER, before TEXT, seal TEXT, is_in_place INTEGER);"
     "CREATE TABLE IF NOT EXISTS change(version INTEGER, part INTEGER, data BLOB, PRIMARY KEY(version, part));"
+    "CREATE TABLE IF NOT EXISTS frame(version INTEGER PRIMARY KEY, name TEXT, latitude REAL, longitude REAL,"
+    " altitude REAL);"
     "CREATE TABLE IF NOT EXISTS tag(name TEXT PRIMARY KEY, version INTEGER);"
     "CREATE TABLE IF NOT EXISTS run(what TEXT, parameters TEXT);"
     "CREATE TABLE IF NOT EXISTS journal(part INTEGER PRIMARY KEY, scans INTEGER, data BLOB);";
@@ -49,6 +51,12 @@ std::string seal_of(const StoredVersion& v) {
   for (const double value : {v.grid.edge, v.grid.origin.x(), v.grid.origin.y(), v.grid.origin.z()})
     all += '\n' + std::to_string(std::bit_cast<std::uint64_t>(value));
   all += '\n' + std::to_string(v.number) + ' ' + std::to_string(v.time) + ' ' + std::to_string(v.leaves);
+  if (v.frame != MapFrame{}) {
+    all += '\n' + v.frame.name;
+    const MapFrame::GeoPoint origin = v.frame.origin.value_or(MapFrame::GeoPoint{});
+    for (const double value : {origin.latitude, origin.longitude, origin.altitude})
+      all += '\n' + std::to_string(std::bit_cast<std::uint64_t>(value));
+  }
   const XXH128_hash_t hash = XXH3_128bits(all.data(), all.size());
   return Fingerprint{hash.low64, hash.high64}.hex();
 }
@@ -107,6 +115,7 @@ std::vector<StoredVersion> VersionTable::versions() {
     v.is_in_place = rows.integer(16) != 0;
     found.push_back(std::move(v));
   }
+  read_frames(found);
   Statement tags(database_, "SELECT name, version FROM tag ORDER BY name");
   while (tags.step()) {
     for (StoredVersion& version : found) {
@@ -114,6 +123,25 @@ std::vector<StoredVersion> VersionTable::versions() {
     }
   }
   return found;
+}
+
+/// A version has the frame of the last one that was stored as a whole.
+void VersionTable::read_frames(std::vector<StoredVersion>& versions) {
+  // A history that another evermap began may have no such table.
+  if (!Statement(database_, "SELECT 1 FROM sqlite_master WHERE name = 'frame'").step()) return;
+  Statement rows(database_,
+                 "SELECT version, name, latitude, longitude, altitude FROM frame ORDER BY version");
+  bool is_row = rows.step();
+  MapFrame frame;
+  for (StoredVersion& version : versions) {
+    while (is_row && rows.integer(0) < version.number) is_row = rows.step();
+    if (version.is_whole) frame = {};
+    if (version.is_whole && is_row && rows.integer(0) == version.number) {
+      frame.name = rows.text(1);
+      if (!rows.is_null(2)) frame.origin = {rows.real(2), rows.real(3), rows.real(4)};
+    }
+    version.frame = frame;
+  }
 }
 
 int VersionTable::number_of(const std::string& name) {
@@ -148,7 +176,7 @@ void VersionTable::for_each_part(const StoredVersion& version,
 }
 
 void VersionTable::apply(const StoredVersion& version, Octree& octree) {
-  if (version.is_whole) octree = Octree(version.grid);
+  if (version.is_whole) octree = Octree(version.grid, version.frame);
   for_each_part(version, [&](std::span<const LeafChange> changes) { apply_changes(changes, octree); });
 }
 
@@ -167,7 +195,7 @@ Octree VersionTable::checkout(int number) {
   }
   if (begin == end || !begin->is_whole)
     throw FileError(database_.path(), "holds no version " + std::to_string(number));
-  Octree octree(begin->grid);
+  Octree octree(begin->grid, begin->frame);
   for (auto version = begin; version != end; ++version) apply(*version, octree);
   check(*std::prev(end), octree);
   return octree;
@@ -209,6 +237,14 @@ void VersionTable::insert(StoredVersion& version, const std::vector<LeafChange>&
     row.bind(static_cast<std::int64_t>(count));
   row.bind(std::int64_t{version.is_whole}).bind(version.before).bind(version.seal);
   row.bind(std::int64_t{version.is_in_place}).run();
+  if (version.is_whole && version.frame != MapFrame{}) {
+    Statement frame(database_, version.frame.origin ? "INSERT INTO frame VALUES(?,?,?,?,?)"
+                                                    : "INSERT INTO frame VALUES(?,?,NULL,NULL,NULL)");
+    frame.bind(std::int64_t{version.number}).bind(version.frame.name);
+    if (const auto& origin = version.frame.origin)
+      frame.bind(origin->latitude).bind(origin->longitude).bind(origin->altitude);
+    frame.run();
+  }
   Statement insert_part(database_, "INSERT INTO change VALUES(?,?,?)");
   std::int64_t part = 0;
   for_each_stretch(changes, [&](std::span<const LeafChange> stretch) {
@@ -224,11 +260,12 @@ bool VersionTable::has_journal() {
 
 StoredVersion VersionTable::append(const Octree& before, const Octree& after, StoredVersion version) {
   const std::vector<StoredVersion> all = versions();
-  const bool is_whole = all.empty() || all.back().grid != after.grid();
+  const bool is_whole = all.empty() || all.back().grid != after.grid() || all.back().frame != after.frame();
   version.number = all.empty() ? 1 : all.back().number + 1;
   version.time = std::time(nullptr);
   version.evermap = EVERMAP_VERSION;
   version.grid = after.grid();
+  version.frame = after.frame();
   version.fingerprint = fingerprint_of(after).hex();
   version.leaves = after.leaf_count();
   version.is_whole = is_whole;
@@ -239,7 +276,8 @@ StoredVersion VersionTable::append(const Octree& before, const Octree& after, St
 
 void VersionTable::remove(int number) {
   for (const char* statement :
-       {"DELETE FROM version WHERE number = ?", "DELETE FROM change WHERE version = ?"})
+       {"DELETE FROM version WHERE number = ?", "DELETE FROM change WHERE version = ?",
+        "DELETE FROM frame WHERE version = ?"})
     Statement(database_, statement).bind(std::int64_t{number}).run();
 }
 
@@ -259,7 +297,8 @@ void VersionTable::keep_only(const std::vector<bool>& is_kept) {
     version.before = seal;
     if (i > 0 && !is_kept[i - 1]) {
       check(all[i], now);
-      version.is_whole = version.is_whole || !kept || kept->grid() != now.grid();
+      version.is_whole =
+          version.is_whole || !kept || kept->grid() != now.grid() || kept->frame() != now.frame();
       remove(version.number);
       insert(version, changes_between(version.is_whole ? Octree(now.grid()) : *kept, now));
     } else {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <string>
 #include <utility>
@@ -127,6 +128,16 @@ std::size_t export_tiles(const Octree& octree, const std::filesystem::path& fold
     write_pcd(folder / name, leaves.finish());
     metadata += name + ": [" + std::to_string(static_cast<double>(tile.first) * edge) + ", " +
                 std::to_string(static_cast<double>(tile.second) * edge) + "]\n";
+  }
+  if (const auto& origin = octree.frame().origin) {
+    AtomicFile projector(folder / "map_projector_info.yaml");
+    std::array<char, 200> text{};
+    std::snprintf(text.data(), text.size(),
+                  "projector_type: LocalCartesian\nvertical_datum: WGS84\nmap_origin:\n  latitude: %.10f\n"
+                  "  longitude: %.10f\n  altitude: %.4f\n",
+                  origin->latitude, origin->longitude, origin->altitude);
+    projector.write(text.data());
+    projector.commit();
   }
   AtomicFile file(folder / "pointcloud_map_metadata.yaml");
   file.write(metadata);

@@ -35,8 +35,8 @@ void export_map(const Octree& octree, const std::filesystem::path& path,
                 std::span<const MapFormat> formats = cloud_formats());
 
 /// Writes the occupied leaves as a folder of .pcd tiles with an edge of `edge` [m] and the list that
-/// Autoware's map loader reads (pointcloud_map_metadata.yaml), which is written last. Returns the number of
-/// tiles. Throws FileError.
+/// Autoware's map loader reads (pointcloud_map_metadata.yaml), which is written last; where the map's origin
+/// on earth is known, map_projector_info.yaml tells it. Returns the number of tiles. Throws FileError.
 std::size_t export_tiles(const Octree& octree, const std::filesystem::path& folder, double edge);
 
 }  // namespace evermap

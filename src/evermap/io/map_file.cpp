@@ -55,6 +55,8 @@ static_assert(sizeof(Record) == 48);
 
 using Checksum = std::uint64_t;
 
+constexpr std::size_t kLongestFrameName = 255;  ///< [bytes]
+
 Checksum checksum(std::string_view bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 
 template <class T>
@@ -100,9 +102,33 @@ std::uint64_t count_blocks(const Octree& octree) {
   return blocks;
 }
 
+constexpr std::uint32_t kFormatWithoutFrame = 1;
+
+/// What follows the header in format 2, behind it the name, and then the checksum of both.
+struct FrameHeader {
+  std::uint32_t name_size;   ///< [bytes]
+  std::uint32_t has_origin;  ///< 0 or 1
+  double origin[3];          ///< [degrees, degrees, m] latitude, longitude, altitude
+};
+static_assert(sizeof(FrameHeader) == 32);
+
+std::string bytes_of_frame(const MapFrame& frame) {
+  FrameHeader header{static_cast<std::uint32_t>(frame.name.size()), frame.origin ? 1U : 0U, {}};
+  if (frame.origin) {
+    header.origin[0] = frame.origin->latitude;
+    header.origin[1] = frame.origin->longitude;
+    header.origin[2] = frame.origin->altitude;
+  }
+  std::string bytes(bytes_of(header));
+  bytes += frame.name;
+  bytes += bytes_of(checksum(bytes));
+  return bytes;
+}
+
 Header header_of(const Octree& octree) {
   const VoxelGrid& grid = octree.grid();
-  Header header{{}, kMapFormat, sizeof(Record), grid.edge, {}, octree.leaf_count(), count_blocks(octree), 0};
+  const std::uint32_t format = octree.frame() == MapFrame{} ? kFormatWithoutFrame : kMapFormat;
+  Header header{{}, format, sizeof(Record), grid.edge, {}, octree.leaf_count(), count_blocks(octree), 0};
   std::copy(kMagic.begin(), kMagic.end(), header.magic.begin());
   std::copy_n(grid.origin.data(), 3, header.origin);
   header.checksum = checksum(bytes_of(header).substr(0, sizeof(Header) - sizeof(Checksum)));
@@ -174,7 +200,9 @@ class MapReader {
 
   Octree read() {
     const Eigen::Map<const Eigen::Vector3d> origin(header_.origin);
-    Octree octree({header_.edge, origin + Eigen::Vector3d::Zero()});  // as VoxelGrid::around() makes them
+    const VoxelGrid grid{header_.edge,
+                         origin + Eigen::Vector3d::Zero()};  // as VoxelGrid::around() makes them
+    Octree octree(grid, header_.format == kFormatWithoutFrame ? MapFrame{} : read_frame());
     for (block_ = 0; block_ < header_.blocks; ++block_) read_block(octree);
     next(std::min<std::uint64_t>(kEndMark.size(), file_.rest()));
     if (section_ != kEndMark) fail("the mark of the map's end is missing");
@@ -220,18 +248,37 @@ class MapReader {
     if (!section_.starts_with(kMagic)) fail_at(0, "is no evermap map (.evm)");
     if (section_.size() < sizeof(Header)) fail("ends inside the header");
     const auto header = take<Header>(section_, 0);
-    if (header.format > kMapFormat && !is_sealed(header, kMapFormat)) {
+    const bool is_raised = is_sealed(header, kFormatWithoutFrame) || is_sealed(header, kMapFormat);
+    if (header.format > kMapFormat && !is_raised) {
       fail_at(offsetof(Header, format), "made by a newer evermap: format " + std::to_string(header.format) +
                                             ", this program reads up to " + std::to_string(kMapFormat) +
                                             "; update evermap");
     }
     if (!is_sealed(header, header.format)) fail("the header's checksum does not fit");
-    if (header.format != kMapFormat || header.record_size != sizeof(Record))
+    if (header.format < kFormatWithoutFrame || header.format > kMapFormat ||
+        header.record_size != sizeof(Record))
       fail("the header makes no sense");
     const bool is_finite =
         std::all_of(header.origin, header.origin + 3, [](double x) { return std::isfinite(x); });
     if (!is_leaf_edge(header.edge) || !is_finite) fail("the header's grid makes no sense");
     return header;
+  }
+
+  MapFrame read_frame() {
+    if (file_.rest() < sizeof(FrameHeader)) fail("ends inside the frame's name");
+    next(sizeof(FrameHeader));
+    const auto header = take<FrameHeader>(section_, 0);
+    if (header.name_size > kLongestFrameName) fail("the frame's name makes no sense");
+    const std::size_t rest = header.name_size + sizeof(Checksum);
+    if (file_.rest() < rest) fail("ends inside the frame's name");
+    file_.append_to(section_, rest);
+    const std::string_view sealed = std::string_view(section_).substr(0, section_.size() - sizeof(Checksum));
+    if (take<Checksum>(section_, sealed.size()) != checksum(sealed))
+      fail("the frame's checksum does not fit");
+    MapFrame frame{std::string(sealed.substr(sizeof(FrameHeader))), {}};
+    if (header.has_origin != 0) frame.origin = {header.origin[0], header.origin[1], header.origin[2]};
+    if (frame.name.empty() || (frame.origin && !frame.origin->is_sound())) fail("the frame makes no sense");
+    return frame;
   }
 
   void read_block(Octree& octree) {
@@ -285,7 +332,13 @@ class MapReader {
 
 void save_map(const std::filesystem::path& path, const Octree& octree) {
   AtomicFile file(path);
-  file.write(bytes_of(header_of(octree)));
+  const MapFrame& frame = octree.frame();
+  if (frame.name.empty() || frame.name.size() > kLongestFrameName ||
+      (frame.origin && !frame.origin->is_sound()))
+    throw FileError(path, "not saved: its frame has no name, or its origin is no place on earth");
+  const Header header = header_of(octree);
+  file.write(bytes_of(header));
+  if (header.format != kFormatWithoutFrame) file.write(bytes_of_frame(frame));
   BlockWriter writer(file);
   octree.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
     if (!is_sound(leaf)) {

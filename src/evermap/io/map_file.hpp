@@ -9,8 +9,9 @@
 
 namespace evermap {
 
-/// The version of the format that save_map writes, and the newest that load_map reads.
-inline constexpr std::uint32_t kMapFormat = 1;
+/// The newest version of the format that load_map reads. save_map writes it for maps whose frame has a name
+/// of its own or a place on earth, and version 1, which tells neither, for others.
+inline constexpr std::uint32_t kMapFormat = 2;
 
 /// Leaf edges that a map may have [m]: below, range noise is wider than a leaf; above, one Gaussian cannot
 /// describe what is in it.

@@ -120,7 +120,7 @@ class MapMaintainer::Loop {
     result.state = velocity ? TrackingState::kTracking : TrackingState::kStarting;
     {
       const std::lock_guard lock(changing_);
-      map_ = Octree(map_.grid());
+      map_ = Octree(map_.grid(), map_.frame());
     }
     wide_map_.reset();
     if (mode_ == MapMode::kMapping) {

@@ -16,6 +16,7 @@
 #include <evermap/geometry/voxel_key.hpp>
 #include <evermap/map/detail/brick.hpp>
 #include <evermap/map/leaf.hpp>
+#include <evermap/map/map_frame.hpp>
 
 namespace evermap {
 
@@ -35,9 +36,10 @@ class Octree {
  public:
   using Block = WideNode<Brick>;
 
-  explicit Octree(const VoxelGrid& grid) : grid_(grid) {}
+  explicit Octree(const VoxelGrid& grid, MapFrame frame = {}) : grid_(grid), frame_(std::move(frame)) {}
 
   const VoxelGrid& grid() const { return grid_; }
+  const MapFrame& frame() const { return frame_; }
   std::size_t leaf_count() const { return leaf_count_; }
   bool empty() const { return leaf_count_ == 0; }
 
@@ -128,6 +130,7 @@ class Octree {
   std::vector<std::uint64_t> block_keys_in(const Eigen::AlignedBox3i& voxels) const;
 
   VoxelGrid grid_;
+  MapFrame frame_;
   std::unordered_map<std::uint64_t, Block, BlockHash> blocks_;
   std::size_t leaf_count_ = 0;
   std::shared_ptr<const int> copies_ = std::make_shared<int>(0);  ///< shared by all copies, to count them

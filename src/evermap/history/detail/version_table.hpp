@@ -15,6 +15,7 @@ namespace evermap {
 /// A row of the history, with what is for the history alone.
 struct StoredVersion : MapVersion {
   VoxelGrid grid;
+  MapFrame frame;
   std::string before;  ///< seal of the version before; empty for the first
   std::string seal;    ///< of all the above
 };
@@ -30,6 +31,7 @@ struct Journal {
 ///
 ///   version   a row a version; each is sealed together with the seal of the one before
 ///   change    what a version changed, in parts of at most kMostPacked leaves
+///   frame     of the versions that are stored as a whole, where it is not the usual one
 ///   tag       names of versions
 ///   run       the run that has not ended, if there is one
 ///   journal   what it changed since the newest version, in the order in which that was acknowledged
@@ -73,6 +75,7 @@ class VersionTable {
   void insert(StoredVersion& version, const std::vector<LeafChange>& changes);
 
   std::int64_t read_format();
+  void read_frames(std::vector<StoredVersion>& versions);
 
   Database database_;
   bool is_begun_ = false;  ///< false of a file in which a killed process had not made the tables yet
