@@ -76,6 +76,9 @@ void write_seeds(const std::filesystem::path& folder) {
   Octree octree(VoxelGrid{.edge = 0.5});
   octree.find_or_insert(VoxelKey::from_voxel({1, 2, 3})).count = 4;
   save_map(folder / "map" / "leaf", octree);
+  save_map(folder / "map" / "frame", Octree(octree.grid(), {"site", MapFrame::GeoPoint{48.1, 11.5, 520}}));
+  write("calibration", "odometry", "P0: 7 0 6 0 0 7 2 0 0 0 1 0\nTr: 0 -1 0 0 0 0 -1 -0.1 1 0 0 -0.3\n");
+  write("calibration", "raw", "calib_time: 15-Mar-2012\nR: 0 -1 0 0 0 -1 1 0 0\nT: 0 -0.1 -0.3\n");
   const std::filesystem::path map = folder / "history.evm";
   MapStore(map).create(octree, {"import", ""});
   octree.find_or_insert(VoxelKey::from_voxel({3, 2, 1})).count = 5;
