@@ -48,8 +48,10 @@ void check(const LocalizeOptions& options) {
 
 /// The poses of the run that is to go on: of one that was killed, in POSES.part.
 std::vector<StampedPose> poses_before(const LocalizeOptions& options) {
-  if (!options.scans.reading.base.empty())
-    throw std::runtime_error("--resume goes on from poses of the sensor; leave --base-frame out");
+  const std::string kind = options.poses.extension().string();
+  if (!options.scans.reading.base.empty() || kind == ".mcap" || kind == ".kitti")
+    throw std::runtime_error(
+        "--resume goes on with TUM poses of the sensor: no --base-frame, .mcap or .kitti");
   std::filesystem::path part = options.poses;
   part += ".part";
   std::error_code error;

@@ -28,8 +28,7 @@ struct LocalizedScans {
   std::string odometry;        ///< poses of the sensor in any frame: a file, or a topic or frame of a bag
   std::optional<double> rate;  ///< [Hz] scans per second, when not the parameters' scan_period
   int threads = 0;             ///< 0: one per core
-  std::vector<StampedPose>
-      before;  ///< poses that an earlier run found; scans up to the last one are left out
+  std::vector<StampedPose> before;  ///< poses of an earlier run; scans up to the last are left out
 };
 /// Adds --odometry, --rate and --base-frame.
 void add_odometry_options(CLI::App& verb, LocalizedScans& options);
