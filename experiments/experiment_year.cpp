@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
@@ -88,51 +89,75 @@ Json drive(Mapper& mapper, const Dataset& dataset, double leaf) {
   return row;
 }
 
-Json run_year(const YearTrial& trial, const Progress& progress) {
-  Mappers mappers;
-  Points survey;  // the points near the route, to tell how much of it is left
-  {
+/// A year of mappers at a place.
+class Year {
+ public:
+  explicit Year(const YearTrial& trial) : trial_(trial), seen_(Points{}) {
     const ScenarioDataset first = dataset_of(trial, 0);
-    mappers = usual_mappers(trial.leaf, first.lidar);
-    std::erase(mappers, nullptr);
-    survey = first.survey();
-    oneapi::tbb::parallel_for(std::size_t{0}, mappers.size(),
-                              [&](std::size_t i) { mappers[i]->start(survey); });
-    survey = within(first.area, thinned(survey, kMemorySpacing));
+    mappers_ = usual_mappers(trial.leaf, first.lidar);
+    std::erase(mappers_, nullptr);
+    const Points survey = first.survey();
+    results_.resize(mappers_.size());
+    oneapi::tbb::parallel_for(std::size_t{0}, mappers_.size(), [&](std::size_t i) {
+      mappers_[i]->start(survey);
+      results_[i] = {
+          {"name", mappers_[i]->name()}, {"version", mappers_[i]->version()}, {"rows", Json::array()}};
+    });
+    survey_ = within(first.area, thinned(survey, kMemorySpacing));
+    seen_ = SeenSurface(survey_);
   }
-  SeenSurface seen(survey);
-  std::vector<Json> results(mappers.size());
-  for (std::size_t i = 0; i < mappers.size(); ++i)
-    results[i] = {{"name", mappers[i]->name()}, {"version", mappers[i]->version()}, {"rows", Json::array()}};
-  Json survey_left = Json::array();
-  Json fresh_leaves = Json::array();
-  for (int session = 1; session <= trial.sessions; ++session) {
-    const ScenarioDataset dataset = dataset_of(trial, session);
+
+  void drive_session(int session) {
+    const ScenarioDataset dataset = dataset_of(trial_, session);
     const Truth truth = dataset.truth(dataset.scans().size() - 1);
-    const Changes changes = seen.follow(truth, trial.leaf, dataset.rays());
-    const std::unique_ptr<Mapper> fresh = make_mapper("static map", trial.leaf, dataset.lidar);
-    fresh->start(dataset.survey());
-    fresh_leaves.push_back(fresh->surface().size());
-    const std::vector<double> from_survey = truth.distances(survey);
-    survey_left.push_back(
-        static_cast<double>(std::count_if(from_survey.begin(), from_survey.end(),
-                                          [](double distance) { return distance <= kTruthSpacing / 4; })) /
-        static_cast<double>(survey.size()));
-    oneapi::tbb::parallel_for(std::size_t{0}, mappers.size(), [&](std::size_t i) {
+    note_place(dataset, truth);
+    const Changes changes = seen_.follow(truth, trial_.leaf, dataset.rays());
+    oneapi::tbb::parallel_for(std::size_t{0}, mappers_.size(), [&](std::size_t i) {
       Json row;
       // On one thread, whose time is told.
-      oneapi::tbb::task_arena(1).execute([&] { row = drive(*mappers[i], dataset, trial.leaf); });
-      const Points map = mappers[i]->surface();
-      row.update(measure_surface(map, truth, dataset.area, trial.leaf));
-      row.update(measure_changes(*mappers[i], changes, dataset.position_sigma));
+      oneapi::tbb::task_arena(1).execute([&] { row = drive(*mappers_[i], dataset, trial_.leaf); });
+      const Points map = mappers_[i]->surface();
+      row.update(measure_surface(map, truth, dataset.area, trial_.leaf));
+      row.update(measure_changes(*mappers_[i], changes, dataset.position_sigma));
       row["leaves"] = map.size();
       row["session"] = session;
-      results[i]["rows"].push_back(std::move(row));
+      results_[i]["rows"].push_back(std::move(row));
     });
+  }
+
+  Json finish() {
+    for (Json& result : results_) result["end"] = result["rows"].back();
+    return {{"mappers", results_}, {"survey left", survey_left_}, {"fresh leaves", fresh_leaves_}};
+  }
+
+ private:
+  /// How much of the first survey is left around the route, and how large a map of today's would be.
+  void note_place(const ScenarioDataset& dataset, const Truth& truth) {
+    constexpr double kLeft = kTruthSpacing / 4;  // [m]
+    const std::unique_ptr<Mapper> fresh = make_mapper("static map", trial_.leaf, dataset.lidar);
+    fresh->start(dataset.survey());
+    fresh_leaves_.push_back(fresh->surface().size());
+    const std::vector<double> distances = truth.distances(survey_);
+    const auto left = std::count_if(distances.begin(), distances.end(), [](double d) { return d <= kLeft; });
+    survey_left_.push_back(static_cast<double>(left) / static_cast<double>(survey_.size()));
+  }
+
+  YearTrial trial_;
+  Mappers mappers_;
+  Points survey_;  ///< [m] around the route, thinned
+  SeenSurface seen_;
+  std::vector<Json> results_;
+  Json survey_left_ = Json::array();
+  Json fresh_leaves_ = Json::array();
+};
+
+Json run_year(const YearTrial& trial, const Progress& progress) {
+  Year year(trial);
+  for (int session = 1; session <= trial.sessions; ++session) {
+    year.drive_session(session);
     progress(static_cast<std::size_t>(session), static_cast<std::size_t>(trial.sessions));
   }
-  for (Json& result : results) result["end"] = result["rows"].back();
-  return {{"mappers", results}, {"survey left", survey_left}, {"fresh leaves", fresh_leaves}};
+  return year.finish();
 }
 
 }  // namespace
