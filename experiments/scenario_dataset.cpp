@@ -119,8 +119,9 @@ Truth ScenarioDataset::truth(std::size_t scan) const {
 }
 
 Changes ScenarioDataset::changes(double leaf) const {
-  const ChangeTruth change = change_truth(drive_.survey_scene(), drive_.settled_scene(number(scans_.size() - 1)),
-                                          choice_.truth_spacing, leaf / 2);
+  const ChangeTruth change =
+      change_truth(drive_.survey_scene(), drive_.settled_scene(number(scans_.size() - 1)),
+                   choice_.truth_spacing, leaf / 2);
   const VoxelGrid grid{.edge = leaf};
   return {contradictable(within(area, change.unchanged), grid, rays()),
           contradictable(within(area, change.removed), grid, rays())};

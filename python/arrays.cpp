@@ -66,17 +66,24 @@ std::vector<float> floats_of(const py::handle& value, std::size_t count, const c
   return {array.data(), array.data() + array.shape(0)};
 }
 
-const Scan& scan_of(const py::handle& value, Scan& made) {
-  if (py::isinstance<Scan>(value)) return value.cast<const Scan&>();
-  for (const Eigen::Vector3d& p : points_of(value, "scan")) {
-    if (!p.allFinite()) {
-      ++made.dropped_not_finite;
-    } else if (p == Eigen::Vector3d::Zero()) {
-      ++made.dropped_at_origin;
+Scan usable_scan(const std::vector<Eigen::Vector3d>& points, const std::vector<float>& times) {
+  Scan scan;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].allFinite()) {
+      ++scan.dropped_not_finite;
+    } else if (points[i] == Eigen::Vector3d::Zero()) {
+      ++scan.dropped_at_origin;
     } else {
-      made.p_sensor.push_back(p);
+      scan.p_sensor.push_back(points[i]);
+      if (!times.empty()) scan.time_offset.push_back(times[i]);
     }
   }
+  return scan;
+}
+
+const Scan& scan_of(const py::handle& value, Scan& made) {
+  if (py::isinstance<Scan>(value)) return value.cast<const Scan&>();
+  made = usable_scan(points_of(value, "scan"));
   return made;
 }
 

@@ -29,6 +29,8 @@ Pose pose_of(const py::handle& value, const char* name);
 std::optional<Pose> optional_pose_of(const py::object& value, const char* name);
 /// A Scan, or an array of points, of which one is made in `made`.
 const Scan& scan_of(const py::handle& value, Scan& made);
+/// The points that can be used, with their times if there are any; the others are counted.
+Scan usable_scan(const std::vector<Eigen::Vector3d>& points, const std::vector<float>& times = {});
 /// N numbers.
 std::vector<float> floats_of(const py::handle& value, std::size_t count, const char* name);
 

@@ -21,28 +21,10 @@ namespace {
 using namespace py::literals;
 
 Scan make_scan(const py::object& points, const py::object& point_times, std::optional<double> time) {
-  if (!point_times.is_none()) {
-    // With times, points that cannot be used stay out together with theirs.
-    Scan all;
-    all.p_sensor = points_of(points, "points");
-    const std::vector<float> times = floats_of(point_times, all.p_sensor.size(), "point_times");
-    Scan scan;
-    for (std::size_t i = 0; i < times.size(); ++i) {
-      const Eigen::Vector3d& p = all.p_sensor[i];
-      if (!p.allFinite()) {
-        ++scan.dropped_not_finite;
-      } else if (p == Eigen::Vector3d::Zero()) {
-        ++scan.dropped_at_origin;
-      } else {
-        scan.p_sensor.push_back(p);
-        scan.time_offset.push_back(times[i]);
-      }
-    }
-    scan.time = time;
-    return scan;
-  }
-  Scan scan;
-  scan_of(points, scan);
+  const std::vector<Eigen::Vector3d> all = points_of(points, "points");
+  std::vector<float> times;
+  if (!point_times.is_none()) times = floats_of(point_times, all.size(), "point_times");
+  Scan scan = usable_scan(all, times);
   scan.time = time;
   return scan;
 }

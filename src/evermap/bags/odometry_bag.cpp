@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 #include <string_view>
 
 #include <evermap/bags/detail/mcap_format.hpp>
@@ -13,82 +14,47 @@
 namespace evermap {
 namespace {
 
-/// Definitions of message types, as MCAP wants them: the type's own, then those it is made of.
-constexpr std::string_view kOdometryDefinition = R"(std_msgs/Header header
-string child_frame_id
-geometry_msgs/PoseWithCovariance pose
-geometry_msgs/TwistWithCovariance twist
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
-================================================================================
-MSG: geometry_msgs/PoseWithCovariance
-geometry_msgs/Pose pose
-float64[36] covariance
-================================================================================
-MSG: geometry_msgs/Pose
-geometry_msgs/Point position
-geometry_msgs/Quaternion orientation
-================================================================================
-MSG: geometry_msgs/Point
-float64 x
-float64 y
-float64 z
-================================================================================
-MSG: geometry_msgs/Quaternion
-float64 x
-float64 y
-float64 z
-float64 w
-================================================================================
-MSG: geometry_msgs/TwistWithCovariance
-geometry_msgs/Twist twist
-float64[36] covariance
-================================================================================
-MSG: geometry_msgs/Twist
-geometry_msgs/Vector3 linear
-geometry_msgs/Vector3 angular
-================================================================================
-MSG: geometry_msgs/Vector3
-float64 x
-float64 y
-float64 z
-)";
-constexpr std::string_view kTransformsDefinition = R"(geometry_msgs/TransformStamped[] transforms
-================================================================================
-MSG: geometry_msgs/TransformStamped
-std_msgs/Header header
-string child_frame_id
-geometry_msgs/Transform transform
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
-================================================================================
-MSG: geometry_msgs/Transform
-geometry_msgs/Vector3 translation
-geometry_msgs/Quaternion rotation
-================================================================================
-MSG: geometry_msgs/Vector3
-float64 x
-float64 y
-float64 z
-================================================================================
-MSG: geometry_msgs/Quaternion
-float64 x
-float64 y
-float64 z
-float64 w
-)";
+// Types that messages are made of, as MCAP wants them told.
+constexpr std::string_view kHeader = "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n";
+constexpr std::string_view kTime = "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
+constexpr std::string_view kVector = "MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n";
+constexpr std::string_view kQuaternion =
+    "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n";
+constexpr std::string_view kPoint = "MSG: geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n";
+constexpr std::string_view kPose =
+    "MSG: geometry_msgs/Pose\ngeometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n";
+constexpr std::string_view kPoseWithCovariance =
+    "MSG: geometry_msgs/PoseWithCovariance\ngeometry_msgs/Pose pose\nfloat64[36] covariance\n";
+constexpr std::string_view kTwist =
+    "MSG: geometry_msgs/Twist\ngeometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n";
+constexpr std::string_view kTwistWithCovariance =
+    "MSG: geometry_msgs/TwistWithCovariance\ngeometry_msgs/Twist twist\nfloat64[36] covariance\n";
+constexpr std::string_view kTransform =
+    "MSG: geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n";
+constexpr std::string_view kTransformStamped =
+    "MSG: geometry_msgs/TransformStamped\nstd_msgs/Header header\nstring child_frame_id\n"
+    "geometry_msgs/Transform transform\n";
+
+/// A type's own fields, then the types that it is made of.
+std::string definition_of(std::string_view fields, std::initializer_list<std::string_view> types) {
+  constexpr std::size_t kRule = 80;
+  std::string definition(fields);
+  for (const std::string_view type : types) definition.append(kRule, '=').append("\n").append(type);
+  return definition;
+}
+
+std::string odometry_definition() {
+  return definition_of(
+      "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n"
+      "geometry_msgs/TwistWithCovariance twist\n",
+      {kHeader, kTime, kPoseWithCovariance, kPose, kPoint, kQuaternion, kTwistWithCovariance, kTwist,
+       kVector});
+}
+
+std::string transforms_definition() {
+  return definition_of("geometry_msgs/TransformStamped[] transforms\n",
+                       {kTransformStamped, kHeader, kTime, kTransform, kVector, kQuaternion});
+}
 
 /// MCAP's own records are like messages of ROS 1.
 WireWriter packed() { return WireWriter(Wire::kRos1); }
@@ -109,9 +75,10 @@ std::string channel(std::uint16_t id, std::string_view topic, std::string_view t
                 packed().number(id).number(id).text(topic).text("cdr").number<std::uint32_t>(0).bytes());
 }
 
+std::uint64_t nanoseconds(double time) { return static_cast<std::uint64_t>(std::llround(1e9 * time)); }
+
 std::string message(std::uint16_t channel, std::size_t number, double time, std::string_view bytes) {
-  constexpr double kNanoseconds = 1e9;
-  const auto stamp = static_cast<std::uint64_t>(std::llround(time * kNanoseconds));
+  const std::uint64_t stamp = nanoseconds(time);
   return record(McapOp::kMessage, packed()
                                       .number(channel)
                                       .number(static_cast<std::uint32_t>(number))
@@ -147,8 +114,8 @@ void write_odometry_bag(const std::filesystem::path& path, const std::vector<Odo
   constexpr std::uint16_t kOdometry = 1;
   constexpr std::uint16_t kTransforms = 2;
   const std::string channels =
-      channel(kOdometry, kOdometryTopic, "nav_msgs/msg/Odometry", kOdometryDefinition) +
-      channel(kTransforms, "/tf", "tf2_msgs/msg/TFMessage", kTransformsDefinition);
+      channel(kOdometry, kOdometryTopic, "nav_msgs/msg/Odometry", odometry_definition()) +
+      channel(kTransforms, "/tf", "tf2_msgs/msg/TFMessage", transforms_definition());
   AtomicFile file(path);
   std::uint64_t size = 0;
   const auto write = [&](std::string_view bytes) {
@@ -167,11 +134,10 @@ void write_odometry_bag(const std::filesystem::path& path, const std::vector<Odo
   const std::uint64_t summary = size;
   write(channels);
   WireWriter statistics = packed();
-  const auto stamp = [](double time) { return static_cast<std::uint64_t>(std::llround(time * 1e9)); };
   statistics.number<std::uint64_t>(2 * poses.size()).number<std::uint16_t>(2).number<std::uint32_t>(2);
   for (int i = 0; i < 3; ++i) statistics.number<std::uint32_t>(0);  // attachments, metadata, chunks
-  statistics.number(poses.empty() ? 0 : stamp(poses.front().time));
-  statistics.number(poses.empty() ? 0 : stamp(poses.back().time));
+  statistics.number(poses.empty() ? 0 : nanoseconds(poses.front().time));
+  statistics.number(poses.empty() ? 0 : nanoseconds(poses.back().time));
   statistics.number<std::uint32_t>(2 * (2 + 8));
   for (const std::uint16_t id : {kOdometry, kTransforms})
     statistics.number(id).number<std::uint64_t>(poses.size());
