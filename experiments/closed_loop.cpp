@@ -66,7 +66,13 @@ Localization ClosedLoop::localize_in_grid(const Scan& scan, double time,
 
 void ClosedLoop::note(const Pose& T_map_sensor, TrackingState state) {
   tracked_ += state == TrackingState::kTracking ? 1 : 0;
+  lost_lately_ = state == TrackingState::kLost ? lost_lately_ + 1 : 0;
   found_.push_back(T_map_sensor);
+}
+
+void ClosedLoop::stand_lost(const Pose& T_map_sensor_true) {
+  note(Pose(found_.back()), TrackingState::kLost);
+  true_.push_back(T_map_sensor_true);
 }
 
 Json ClosedLoop::errors() const {

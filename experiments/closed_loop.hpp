@@ -26,6 +26,11 @@ class ClosedLoop {
   void process(const Scan& scan, double time, const std::optional<Pose>& T_odom_sensor,
                const Pose& T_map_sensor_true);
 
+  /// Scans in a row, up to the last one, in which the robot was lost.
+  std::size_t lost_lately() const { return lost_lately_; }
+  /// A scan at which the robot stands still, lost. REQUIRES: process() was called.
+  void stand_lost(const Pose& T_map_sensor_true);
+
   /// "error": [m] by scan; at the end "ATE" [m], "worst" [m], "rotation" [deg], fractions "lost" and
   /// "tracked".
   Json errors() const;
@@ -42,6 +47,7 @@ class ClosedLoop {
   Octree grid_target_;
   std::size_t outdated_by_ = kRefresh;  ///< scans written since grid_target_ was made
   std::size_t tracked_ = 0;
+  std::size_t lost_lately_ = 0;
   std::vector<Pose> true_, found_;
 };
 

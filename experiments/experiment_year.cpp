@@ -69,14 +69,20 @@ class SeenSurface {
   Points past_;      ///< [m] seen once; not there, or not quite, in the last session
 };
 
-/// One mapper's day: it localizes in the map that it was left with the evening before, and updates it.
+/// One mapper's day: it localizes in the map that it was left with the evening before, and updates it. A
+/// robot that has been lost for two seconds waits for help.
 Json drive(Mapper& mapper, const Dataset& dataset, double leaf) {
   const Pose start = dataset.scans().front().T_map_sensor;
   mapper.resume(start);
   ClosedLoop loop(mapper, leaf, start, dataset.lidar);
   std::vector<double> cpu;  // [s]
   for (std::size_t i = 0; i < dataset.scans().size(); ++i) {
+    constexpr std::size_t kGivesUp = 20;  // scans
     const AlignedScan& aligned = dataset.scans()[i];
+    if (loop.lost_lately() >= kGivesUp) {
+      loop.stand_lost(aligned.T_map_sensor);
+      continue;
+    }
     const double before = thread_cpu_seconds();
     loop.process(aligned.scan, dataset.time(i), std::nullopt, aligned.T_map_sensor);
     cpu.push_back(thread_cpu_seconds() - before);

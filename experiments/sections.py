@@ -326,7 +326,8 @@ def section_year(units, folder):
         "A robot drives the same round day after day, localizes in its map without odometry, updates it, and finds it in the "
         "evening's state the next morning; only the first pose of each day is given. In the container terminal a fifth of the bays "
         "change each night. In the pit two of the 18 blocks of the walls are blasted back by 2.5 m each night, a strip of the floor "
-        "is dug 0.4 m deeper, and piles and machines come and go. Kept (SA): of what sessions before saw and still stands; erased "
+        "is dug 0.4 m deeper, and piles and machines come and go. A robot that was lost for two seconds stands still for the day. "
+        "Kept (SA): of what sessions before saw and still stands; erased "
         "(DA): of all that any session before saw and is gone; both where the day's rays could tell."])
     for name, unit in units.items():
         title, result, leaf = unit["title"], unit["result"], unit["settings"]["leaf"]
