@@ -83,6 +83,7 @@ std::optional<std::string_view> cloud_extension(const std::filesystem::path& pat
 
 std::vector<std::string> cloud_extensions() {
   std::vector<std::string> extensions;
+  extensions.reserve(kFormats.size());
   for (const Format& format : kFormats) extensions.emplace_back(format.extension);
   return extensions;
 }
