@@ -80,7 +80,7 @@ void container_terminal(ScenarioText& text, std::uint64_t seed, int nights, doub
     for (const double y : {-3.4, 0.0, 3.4}) bays.push_back({x, y, 0});
   }
   for (const double y : {-18.5, -15.0, 15.0, 18.5}) {
-    for (double x = -21.6; x < 22; x += 7.2) bays.push_back({x, y, 0});
+    for (const double x : {-21.6, -14.4, -7.2, 0.0, 7.2, 14.4, 21.6}) bays.push_back({x, y, 0});
   }
   for (const double x : {-27.0, -23.0, 23.0, 27.0}) {
     for (const double y : {-7.2, 0.0, 7.2}) bays.push_back({x, y, 90});
@@ -125,6 +125,7 @@ void rock(ScenarioText& text, std::mt19937_64& random, int nights) {
 /// The pit's floor after so many nights, of which each digs the next of its strips deeper.
 std::string floor_of_pit(int nights) {
   constexpr int kStrips = 7;
+  constexpr int kMiddle = 3;
   constexpr double kApart = 8;  // [m] the sides of neighbours add up to a level floor
   constexpr double kDug = 0.4;  // [m]
   std::ostringstream text;
@@ -132,7 +133,7 @@ std::string floor_of_pit(int nights) {
           "3}}";
   for (int strip = 0; strip < kStrips; ++strip) {
     const int times = (nights + kStrips - 1 - strip) / kStrips;
-    const double x = (strip - kStrips / 2) * kApart;
+    const double x = (strip - kMiddle) * kApart;
     text << ", {embankment: {line: [[" << x << ", -14], [" << x << ", 14]], height: " << -kDug * times
          << ", width: 5, side: 3}}";
   }
