@@ -19,10 +19,10 @@ struct Bay {
 };
 
 /// Draws what stands in a bay tonight.
-using Fill = std::string (*)(std::mt19937_64& random, const Bay& bay);
+using Draw = std::string (*)(std::mt19937_64& random, const Bay& bay);
 
 /// What stands in the bays after so many nights, each of which redraws a fraction of them.
-void fill(std::vector<Bay>& bays, Fill draw, std::uint64_t seed, int nights, double changed) {
+void fill(std::vector<Bay>& bays, Draw draw, std::uint64_t seed, int nights, double changed) {
   std::mt19937_64 random(seed);
   for (Bay& bay : bays) bay.keys = draw(random, bay);
   for (int night = 0; night < nights; ++night) {
