@@ -19,48 +19,85 @@
 namespace evermap {
 namespace {
 
-/// Each fills `output` wholly, or says false.
-bool copy(std::string_view stored, std::string& output) {
-  if (stored.size() != output.size()) return false;
+/// What a step of decompression did.
+struct Step {
+  std::size_t taken = 0;  ///< [bytes] of what is compressed
+  std::size_t given = 0;  ///< [bytes] written
+  bool is_end = false;
+  bool is_damaged = false;
+};
+
+/// Fills `output` with `size` bytes, or says false. `step` is given what is left of the compressed bytes and
+/// of the room. What a header claims takes memory only as it comes.
+template <class TakeStep>
+bool fill(std::string_view compressed, std::uint64_t size, std::string& output, TakeStep&& take_step) {
+  constexpr std::uint64_t kUsual = 8;           // times as large as compressed; more takes more than one turn
+  constexpr std::uint64_t kAtFirst = 1U << 16;  // [bytes] at the least
+  output.resize(std::min(size, std::max(kAtFirst, kUsual * compressed.size())));
+  for (std::size_t done = 0;;) {
+    if (done == output.size() && done < size) output.resize(std::min<std::uint64_t>(size, 2 * done));
+    const Step step = take_step(compressed, output.data() + done, output.size() - done);
+    if (step.is_damaged) return false;
+    compressed.remove_prefix(step.taken);
+    done += step.given;
+    if (step.is_end) return done == size;
+    if (step.taken == 0 && step.given == 0) return false;
+  }
+}
+
+bool copy(std::string_view stored, std::uint64_t size, std::string& output) {
+  if (stored.size() != size) return false;
   output = stored;
   return true;
 }
 
-bool from_bz2(std::string_view compressed, std::string& output) {
-  auto size = static_cast<unsigned>(output.size());
-  // The library does not change its input, though it does not say so.
-  const int error = ::BZ2_bzBuffToBuffDecompress(output.data(), &size, const_cast<char*>(compressed.data()),
-                                                 static_cast<unsigned>(compressed.size()), 0, 0);
-  return error == BZ_OK && size == output.size();
+bool from_bz2(std::string_view compressed, std::uint64_t size, std::string& output) {
+  bz_stream stream{};
+  if (::BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return false;
+  const std::unique_ptr<bz_stream, decltype(&::BZ2_bzDecompressEnd)> ended(&stream, ::BZ2_bzDecompressEnd);
+  return fill(compressed, size, output, [&](std::string_view rest, char* room, std::size_t room_size) {
+    constexpr std::size_t kMost = 1U << 30;  // [bytes] the library counts in 32 bits
+    // The library does not change its input, though it does not say so.
+    stream.next_in = const_cast<char*>(rest.data());
+    stream.avail_in = static_cast<unsigned>(std::min(rest.size(), kMost));
+    stream.next_out = room;
+    stream.avail_out = static_cast<unsigned>(std::min(room_size, kMost));
+    const int result = ::BZ2_bzDecompress(&stream);
+    return Step{static_cast<std::size_t>(stream.next_in - rest.data()),
+                static_cast<std::size_t>(stream.next_out - room), result == BZ_STREAM_END,
+                result != BZ_OK && result != BZ_STREAM_END};
+  });
 }
 
-bool from_lz4(std::string_view compressed, std::string& output) {
+bool from_lz4(std::string_view compressed, std::uint64_t size, std::string& output) {
   LZ4F_dctx* created = nullptr;
   if (::LZ4F_isError(::LZ4F_createDecompressionContext(&created, LZ4F_VERSION))) return false;
   const std::unique_ptr<LZ4F_dctx, decltype(&::LZ4F_freeDecompressionContext)> context(
       created, ::LZ4F_freeDecompressionContext);
-  std::size_t done = 0;
-  while (!compressed.empty()) {
-    std::size_t room = output.size() - done;
-    std::size_t taken = compressed.size();
+  return fill(compressed, size, output, [&](std::string_view rest, char* room, std::size_t room_size) {
+    Step step{rest.size(), room_size};
     const std::size_t left =
-        ::LZ4F_decompress(context.get(), output.data() + done, &room, compressed.data(), &taken, nullptr);
-    if (::LZ4F_isError(left) || (room == 0 && taken == 0)) return false;
-    done += room;
-    compressed.remove_prefix(taken);
-    if (left == 0) break;
-  }
-  return done == output.size();
+        ::LZ4F_decompress(context.get(), room, &step.given, rest.data(), &step.taken, nullptr);
+    step.is_damaged = ::LZ4F_isError(left) != 0;
+    step.is_end = left == 0;
+    return step;
+  });
 }
 
-bool from_zstd(std::string_view compressed, std::string& output) {
-  return ::ZSTD_decompress(output.data(), output.size(), compressed.data(), compressed.size()) ==
-         output.size();
+bool from_zstd(std::string_view compressed, std::uint64_t size, std::string& output) {
+  const std::unique_ptr<ZSTD_DStream, decltype(&::ZSTD_freeDStream)> stream(::ZSTD_createDStream(),
+                                                                            ::ZSTD_freeDStream);
+  return fill(compressed, size, output, [&](std::string_view rest, char* room, std::size_t room_size) {
+    ZSTD_inBuffer from{rest.data(), rest.size(), 0};
+    ZSTD_outBuffer to{room, room_size, 0};
+    const std::size_t left = ::ZSTD_decompressStream(stream.get(), &to, &from);
+    return Step{from.pos, to.pos, left == 0, ::ZSTD_isError(left) != 0};
+  });
 }
 
 struct Compression {
   std::string_view name;
-  bool (*decompress)(std::string_view compressed, std::string& output);
+  bool (*decompress)(std::string_view compressed, std::uint64_t size, std::string& output);
 };
 constexpr std::array<Compression, 5> kCompressions = {
     {{"", copy}, {"none", copy}, {"bz2", from_bz2}, {"lz4", from_lz4}, {"zstd", from_zstd}}};
@@ -81,8 +118,7 @@ std::optional<std::string> decompress(std::string_view compression, std::string_
     return "expands to " + std::to_string(size) + " bytes, more than " + std::to_string(compressed.size()) +
            " compressed bytes may";
   }
-  output.resize(size);
-  if (!known->decompress(compressed, output)) return "holds damaged data";
+  if (!known->decompress(compressed, size, output)) return "holds damaged data";
   return std::nullopt;
 }
 

@@ -12,7 +12,7 @@ namespace evermap {
 
 /// Replaces `output` by the `size` bytes that `compressed` holds. Compressions have the names they have in
 /// bags: "none" or "", "bz2", "lz4", "zstd". Returns what is wrong where that fails, in a few words, and
-/// nothing otherwise. Takes no memory for more than greatest_expansion() allows.
+/// nothing otherwise. Takes memory as the data come, and for no more than greatest_expansion() allows.
 std::optional<std::string> decompress(std::string_view compression, std::string_view compressed,
                                       std::uint64_t size, std::string& output);
 
