@@ -291,6 +291,21 @@ TEST_F(ScanBagTest, NoValueOfAnyFieldDoesHarm) {
   try_all("changed.db3", content(path("few.db3")), 37);
 }
 
+/// Its index promises many clouds, and its first chunk is damaged.
+TEST_F(ScanBagTest, ABagThatIsDamagedFromTheStartIsRefusedOnce) {
+  std::vector<WrittenMessage> many;
+  for (int i = 0; i < 20; ++i) {
+    for (const WrittenMessage& message : drive(Wire::kCdr)) many.push_back(message);
+  }
+  std::string bytes = mcap_bag(many, Wire::kCdr, {"none", true, 4});
+  bytes[bytes.find("sensor_msgs")] = 'S';  // within the first chunk, whose checksum then does not fit
+  const auto scans =
+      open_scans(make("damaged.mcap", bytes), {.reference = "odom", .is_reference_needed = false});
+  EXPECT_GT(scans->size(), 20U);
+  file_error(path("damaged.mcap"), "another checksum than it says", [&] { scans->next(); });
+  EXPECT_FALSE(scans->next());
+}
+
 TEST_F(ScanBagTest, NoBagOfItsKindIsRefused) {
   for (const std::string name : {"a.bag", "a.mcap", "a.db3"}) {
     make(name, "something else, and rather long, so that no header is cut off");

@@ -87,7 +87,9 @@ std::optional<Scan> ScanBag::next() {
     if (!read_message()) break;
   }
   if (waiting_.empty()) {
-    if (count_ == 0 && !bag_->damage().empty()) throw FileError(bag_->path(), bag_->damage());
+    // Once: who takes damage for that of one scan asks for the next.
+    const bool is_news = count_ == 0 && !bag_->damage().empty() && !std::exchange(is_end_told_, true);
+    if (is_news) throw FileError(bag_->path(), bag_->damage());
     return std::nullopt;
   }
   now_ = std::move(waiting_.front().message);

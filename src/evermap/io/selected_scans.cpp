@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <utility>
+
 #include <evermap/files/file_error.hpp>
 #include <evermap/io/detail/selected_scans.hpp>
 
@@ -23,9 +25,11 @@ std::optional<Scan> SelectedScans::next_undamaged() {
   while (failure_.empty()) {
     try {
       std::optional<Scan> scan = all_->next();
-      given_ += scan ? 1 : 0;
+      if (!scan) break;
+      ++given_;
       return scan;
     } catch (const FileError& error) {
+      if (damage_.empty()) first_damage_ = std::current_exception();
       damage_.emplace_back(error.what());
       const bool are_many = damage_.size() * kFewInAll > all_->size();
       if (given_ == 0 && (selection_.is_strict || are_many)) throw;
@@ -35,6 +39,7 @@ std::optional<Scan> SelectedScans::next_undamaged() {
       failure_ += "; what was done up to there is saved";
     }
   }
+  if (given_ == 0 && first_damage_) std::rethrow_exception(std::exchange(first_damage_, nullptr));
   return std::nullopt;
 }
 

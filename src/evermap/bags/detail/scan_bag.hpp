@@ -51,6 +51,7 @@ class ScanBag : public ScanSource {
   std::size_t count_ = 0;      ///< of clouds that were given
   CloudMessage now_;
   double end_ = 0;  ///< [s] of that scan
+  bool is_end_told_ = false;
 };
 
 }  // namespace evermap

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <exception>
 #include <limits>
 #include <memory>
 
@@ -45,6 +46,7 @@ class SelectedScans : public ScanSource {
   std::size_t in_time_ = 0;          ///< scans between start and end
   std::size_t given_ = 0;            ///< scans
   std::vector<std::string> damage_;  ///< a line for each damaged scan
+  std::exception_ptr first_damage_;  ///< while no scan was given
   std::string failure_;
 };
 
