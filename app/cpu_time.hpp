@@ -6,18 +6,17 @@
 
 namespace evermap {
 
-/// [s] CPU time of this process, of all its threads together.
-inline double cpu_seconds() {
+/// [s] What a clock shows.
+inline double seconds_by(clockid_t clock) {
   timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  clock_gettime(clock, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+/// [s] CPU time of this process, of all its threads together.
+inline double cpu_seconds() { return seconds_by(CLOCK_PROCESS_CPUTIME_ID); }
+
 /// [s] CPU time of the calling thread.
-inline double thread_cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
+inline double thread_cpu_seconds() { return seconds_by(CLOCK_THREAD_CPUTIME_ID); }
 
 }  // namespace evermap

@@ -52,8 +52,7 @@ std::vector<StampedPose> poses_before(const LocalizeOptions& options) {
   if (!options.scans.reading.base.empty() || kind == ".mcap" || kind == ".kitti")
     throw std::runtime_error(
         "--resume goes on with TUM poses of the sensor: no --base-frame, .mcap or .kitti");
-  std::filesystem::path part = options.poses;
-  part += ".part";
+  const std::filesystem::path part = PoseLog::path_of(options.poses);
   std::error_code error;
   const bool was_killed = std::filesystem::exists(part, error);
   std::vector<StampedPose> poses = read_trajectory(was_killed ? part : options.poses);

@@ -17,6 +17,7 @@
 #include "posed_scans.hpp"
 #include <evermap/files/file_error.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
+#include <evermap/io/detail/pose_log.hpp>
 #include <evermap/io/scan_source.hpp>
 #include <evermap/scan/detail/deskew.hpp>
 
@@ -236,11 +237,11 @@ void write_trajectory(const std::filesystem::path& path, const LocalizedRun& run
   } else if (run.trajectory.size() == run.scans.size()) {
     write_kitti_poses(path, run.trajectory);
   } else {
-    throw FileError(
-        path,
-        fmt::format("{} of {} scans are not believed, and a file of KITTI has no times to tell "
-                    "which; what is believed is in {}.part (TUM)",
-                    run.scans.size() - run.trajectory.size(), run.scans.size(), path.filename().string()));
+    throw FileError(path,
+                    fmt::format("{} of {} scans are not believed, and a file of KITTI has no times to tell "
+                                "which; what is believed is in {} (TUM)",
+                                run.scans.size() - run.trajectory.size(), run.scans.size(),
+                                PoseLog::path_of(path.filename()).string()));
   }
 }
 

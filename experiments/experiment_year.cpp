@@ -42,6 +42,7 @@ ScenarioDataset dataset_of(const YearTrial& trial, int nights) {
 /// What the sessions before could see, and what became of it.
 class SeenSurface {
  public:
+  SeenSurface() = default;
   explicit SeenSurface(Points survey) : standing_(std::move(survey)) {}
 
   /// Tells what stands as it did and what is gone, where today's rays could tell; then adds what is seen
@@ -98,7 +99,7 @@ Json drive(Mapper& mapper, const Dataset& dataset, double leaf) {
 /// A year of mappers at a place.
 class Year {
  public:
-  explicit Year(const YearTrial& trial) : trial_(trial), seen_(Points{}) {
+  explicit Year(const YearTrial& trial) : trial_(trial) {
     const ScenarioDataset first = dataset_of(trial, 0);
     mappers_ = usual_mappers(trial.leaf, first.lidar);
     std::erase(mappers_, nullptr);

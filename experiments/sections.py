@@ -4,8 +4,8 @@
 import math
 
 import figures
-from section import (EVERMAP, NOTHING, OCTOMAP, Column, Figure, Heading, Section, Table, along, at_end, curves, largest_sag, mapper_of,
-                     names_of, number, ratio, tell_comparison)
+from section import (EVERMAP, NOTHING, OCTOMAP, Column, Figure, Heading, Section, Table, along, at_end, curves, largest_sag,
+                     mapper_of, names_of, number, ratio, tell_comparison)
 
 
 def section_a(units, folder):

@@ -101,12 +101,16 @@ py::array view_of(const std::vector<Eigen::Vector3d>& points, py::handle owner) 
   return view;
 }
 
+void write_matrix(const Pose& pose, double* numbers) {
+  Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> matrix(numbers);
+  matrix.setIdentity();
+  matrix.topLeftCorner<3, 3>() = pose.rotation;
+  matrix.topRightCorner<3, 1>() = pose.translation;
+}
+
 py::array matrix_of(const Pose& pose) {
   py::array_t<double> matrix({4, 4});
-  Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> values(matrix.mutable_data());
-  values.setIdentity();
-  values.topLeftCorner<3, 3>() = pose.rotation;
-  values.topRightCorner<3, 1>() = pose.translation;
+  write_matrix(pose, matrix.mutable_data());
   return matrix;
 }
 

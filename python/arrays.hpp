@@ -38,6 +38,8 @@ std::vector<float> floats_of(const py::handle& value, std::size_t count, const c
 py::array array_of(std::vector<Eigen::Vector3d> points);
 /// A view of points that `owner` keeps, read only.
 py::array view_of(const std::vector<Eigen::Vector3d>& points, py::handle owner);
+/// Writes a pose as a 4 x 4 matrix to these 16 numbers.
+void write_matrix(const Pose& pose, double* numbers);
 py::array matrix_of(const Pose& pose);
 py::array matrix_of(const Eigen::Matrix<double, 6, 6>& matrix);
 

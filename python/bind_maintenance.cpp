@@ -130,12 +130,10 @@ void bind_maintenance(py::module_& module) {
           "core.")
       .def("process", &Maintainer::process, "scan"_a, "time"_a, "odometry"_a = py::none(),
            "Takes a scan whose pose is to be found. time [s]: when it ended. odometry (4, 4): the sensor's "
-           "pose then in "
-           "a frame that may drift; given for each scan or for none.")
+           "pose then in a frame that may drift; given for each scan or for none.")
       .def("update", &Maintainer::update, "scan"_a, "pose"_a, "begin_pose"_a = py::none(),
            "Takes a scan whose pose (4, 4) is known and trusted. begin_pose: when the scan began; with it, a "
-           "scan "
-           "with point_times is deskewed.")
+           "scan with point_times is deskewed.")
       .def_property_readonly("map", &Maintainer::map, "The map as it is now; a snapshot that costs little.")
       .def_property_readonly("state", &Maintainer::state);
 }

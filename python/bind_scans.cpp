@@ -72,10 +72,7 @@ py::tuple poses_of(const std::filesystem::path& path) {
   py::array_t<double> matrices({count, py::ssize_t{4}, py::ssize_t{4}});
   std::vector<double> times;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> values(matrices.mutable_data() + 16 * i);
-    values.setIdentity();
-    values.topLeftCorner<3, 3>() = poses[i].T_map_sensor.rotation;
-    values.topRightCorner<3, 1>() = poses[i].T_map_sensor.translation;
+    write_matrix(poses[i].T_map_sensor, matrices.mutable_data() + 16 * i);
     if (poses[i].time) times.push_back(*poses[i].time);
   }
   const py::object stamps =
@@ -101,8 +98,7 @@ void bind_scans(py::module_& module) {
       "Returns of one revolution of a LiDAR. Wherever a Scan is taken, an array of points is, too.")
       .def(py::init(&make_scan), "points"_a, "point_times"_a = py::none(), "time"_a = py::none(),
            "points (N, 3) [m] in the sensor's frame; point_times (N,) [s] since the scan began; time [s] "
-           "when it "
-           "ended. Points that are not finite, or at the origin, are left out and counted.")
+           "when it ended. Points that are not finite, or at the origin, are left out and counted.")
       .def_property_readonly(
           "points", [](const py::object& self) { return view_of(self.cast<const Scan&>().p_sensor, self); },
           "(N, 3) [m], a view, read only.")
@@ -139,8 +135,7 @@ void bind_scans(py::module_& module) {
       "duration"_a = std::numeric_limits<double>::infinity(), "every"_a = 1, "poses"_a = "",
       "Opens a bag (.bag, .db3, .mcap, or their folder), a folder of clouds, or one cloud. topic: of a bag "
       "with several; format: \".pcd\", whatever the names; start, duration [s]; every n-th scan; poses: a "
-      "topic "
-      "or frame of the bag that tells Scan.pose. Raises FileError.");
+      "topic or frame of the bag that tells Scan.pose. Raises FileError.");
   module.def(
       "read_cloud", [](const std::filesystem::path& path) { return read_cloud(path); }, "path"_a,
       py::call_guard<py::gil_scoped_release>(), "Reads one cloud as a Scan. Raises FileError.");

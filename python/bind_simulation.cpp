@@ -87,13 +87,11 @@ void bind_simulation(py::module_& module) {
           "index"_a, "spacing"_a = 0.17, "(N, 3) [m]: the true surface at a scan, without what moves.")
       .def("changes", &changes_of, "resolution"_a,
            "(unchanged, removed), (N, 3) [m]: of the survey's surface, what still is there at the end and "
-           "what is gone, "
-           "where the drive's rays could tell in leaves of `resolution` [m].");
+           "what is gone, where the drive's rays could tell in leaves of `resolution` [m].");
   module.def("simulate", &simulate, "scenario"_a, py::kw_only(), "scans"_a = py::none(),
              "seed"_a = py::none(),
              "A drive through quarry, yard, passing or street, or a scenario's file. scans: another number; "
-             "seed: of the "
-             "sensor's noise. Raises FileError.");
+             "seed: of the sensor's noise. Raises FileError.");
 }
 
 }  // namespace evermap

@@ -27,8 +27,8 @@ struct Step {
   bool is_damaged = false;
 };
 
-/// Fills `output` with `size` bytes, or says false. `step` is given what is left of the compressed bytes and
-/// of the room. What a header claims takes memory only as it comes.
+/// Fills `output` with `size` bytes, or says false. `take_step` is given what is left of the compressed bytes
+/// and of the room. What a header claims takes memory only as it comes.
 template <class TakeStep>
 bool fill(std::string_view compressed, std::uint64_t size, std::string& output, TakeStep&& take_step) {
   constexpr std::uint64_t kUsual = 8;           // times as large as compressed; more takes more than one turn

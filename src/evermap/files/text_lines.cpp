@@ -67,10 +67,9 @@ bool TextLines::next_filled() {
   return false;
 }
 
-void TextLines::read_numbers(std::vector<double>& values) const {
+void TextLines::read_numbers(std::string_view part, std::vector<double>& values) const {
   values.clear();
-  std::string_view rest = line_;
-  for (std::string_view token = next_token(rest); !token.empty(); token = next_token(rest)) {
+  for (std::string_view token = next_token(part); !token.empty(); token = next_token(part)) {
     const std::optional<double> value = parse_number(token);
     if (!value) fail(in_quotes(token) + " is no number; correct or remove the line");
     values.push_back(*value);

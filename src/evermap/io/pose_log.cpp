@@ -33,7 +33,11 @@ std::string tum_row(const std::filesystem::path& path, const StampedPose& pose) 
   return {row.data(), static_cast<std::size_t>(size)};
 }
 
-PoseLog::PoseLog(const std::filesystem::path& poses) : path_(poses.string() + ".part") {
+std::filesystem::path PoseLog::path_of(const std::filesystem::path& poses) {
+  return poses.string() + ".part";
+}
+
+PoseLog::PoseLog(const std::filesystem::path& poses) : path_(path_of(poses)) {
   constexpr unsigned kAll = 0666;  // what the user's umask leaves of it
   do {
     descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kAll);

@@ -20,6 +20,10 @@ constexpr std::size_t kTumColumns = 8;
 constexpr std::size_t kKittiColumns = 12;
 constexpr double kRotationTolerance = 1e-3;  // data sets print six digits and more; a slip is far larger
 
+bool are_finite(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+}
+
 StampedPose tum_pose(const std::vector<double>& row, const TextLines& lines) {
   const Eigen::Quaterniond quaternion(row[7], row[4], row[5], row[6]);
   const std::optional<Eigen::Matrix3d> rotation = rotation_from_file(quaternion);
@@ -80,9 +84,7 @@ PoseFile read_poses(const std::filesystem::path& path) {
           "has " + std::to_string(row.size()) +
           " numbers; every line needs 8 (TUM: t x y z qx qy qz qw) or every line 12 (KITTI: 3x4 matrix)");
     }
-    if (!std::all_of(row.begin(), row.end(), [](double value) { return std::isfinite(value); })) {
-      lines.fail("holds a number that is not finite; remove the line and its scan");
-    }
+    if (!are_finite(row)) lines.fail("holds a number that is not finite; remove the line and its scan");
     poses.push_back(columns == kTumColumns ? tum_pose(row, lines) : kitti_pose(row, lines));
     if (!is_plausible(poses.back())) {
       lines.fail("holds a time or a place that no drive reaches (1e8 m from the origin); correct the line");
@@ -110,12 +112,8 @@ SensorMount read_kitti_calibration(const std::filesystem::path& path) {
                                         : key == "T:" ? &translation
                                                       : nullptr;
     if (values == nullptr) continue;
-    values->clear();
-    for (std::string_view token = next_token(rest); !token.empty(); token = next_token(rest)) {
-      const std::optional<double> number = parse_number(token);
-      if (!number || !std::isfinite(*number)) lines.fail(in_quotes(token) + " is no number; correct it");
-      values->push_back(*number);
-    }
+    lines.read_numbers(rest, *values);
+    if (!are_finite(*values)) lines.fail("nan or infinity is no number of a calibration; correct it");
   }
   if (transform.empty() && rotation.size() == 9 && translation.size() == 3) {
     for (std::size_t row = 0; row < 3; ++row) {

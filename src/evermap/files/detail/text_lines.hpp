@@ -44,8 +44,10 @@ class TextLines {
   std::size_t offset() const { return offset_; }    ///< [bytes] where the line after it begins
   std::size_t remaining() const { return file_.bytes().size() - offset_; }  ///< [bytes] after that line
 
-  /// Replaces `values` by the numbers of the line. Throws FileError at this line when a token is no number.
-  void read_numbers(std::vector<double>& values) const;
+  /// Replaces `values` by the numbers of the line, or of a part of it. Throws FileError at this line when a
+  /// token is no number.
+  void read_numbers(std::vector<double>& values) const { read_numbers(line_, values); }
+  void read_numbers(std::string_view part, std::vector<double>& values) const;
 
   [[noreturn]] void fail(const std::string& message) const { file_.fail_at_line(number_, message); }
 

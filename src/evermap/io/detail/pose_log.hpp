@@ -26,6 +26,8 @@ class PoseLog {
   PoseLog(const PoseLog&) = delete;
   PoseLog& operator=(const PoseLog&) = delete;
 
+  /// POSES.part of POSES.
+  static std::filesystem::path path_of(const std::filesystem::path& poses);
   const std::filesystem::path& path() const { return path_; }
 
   /// Appends what the trajectory has more than at the last call. No end of the process loses it.
