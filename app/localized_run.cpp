@@ -49,14 +49,6 @@ void find_base(const ScanSource& scans, const ScanOptions& reading, const std::f
   run.frames.child = reading.base;
 }
 
-/// Of the base, whose place swings with the rotation about the sensor.
-Eigen::Matrix<double, 6, 6> covariance_of_base(const ScanResult& scan, const Pose& T_sensor_base) {
-  Eigen::Matrix<double, 6, 6> lever = Eigen::Matrix<double, 6, 6>::Identity();
-  const Eigen::Vector3d arm = scan.T_map_sensor.rotation * T_sensor_base.translation;
-  for (int axis = 0; axis < 3; ++axis) lever.col(3 + axis).head<3>() = Eigen::Vector3d::Unit(axis).cross(arm);
-  return lever * scan.covariance * lever.transpose();
-}
-
 /// What to do about scans that were rejected.
 std::string_view advice(RejectReason reason) {
   switch (reason) {
@@ -229,7 +221,7 @@ void write_trajectory(const std::filesystem::path& path, const LocalizedRun& run
     for (const ScanResult& scan : run.scans) {
       if (!scan.is_believed()) continue;
       poses.push_back(
-          {scan.time, scan.T_map_sensor * run.T_sensor_base, covariance_of_base(scan, run.T_sensor_base)});
+          {scan.time, scan.T_map_sensor * run.T_sensor_base, scan.covariance_of(run.T_sensor_base)});
     }
     write_odometry_bag(path, poses, run.frames);
   } else if (path.extension() != ".kitti") {

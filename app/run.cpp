@@ -45,15 +45,21 @@ void check_any_used(const ScanResult::PointCounts& points, const std::filesystem
 
 std::string point_time_in_words(const CloudNotes& notes) { return notes.time ? notes.time->describe() : ""; }
 
+void catch_stop_signals() {
+  std::signal(SIGINT, request_stop);
+  std::signal(SIGTERM, request_stop);
+  std::signal(SIGHUP, request_stop);
+}
+
+int stop_signal() { return g_stop_requested; }
+
 void end_as(const Run& run) {
   if (run.stopped_by != 0) throw Interrupted(run.stopped_by);
   if (!run.failure.empty()) throw std::runtime_error(run.failure);
 }
 
 Run run_over(std::size_t scans, int threads, const std::function<bool(const TakeScan& take)>& next) {
-  std::signal(SIGINT, request_stop);
-  std::signal(SIGTERM, request_stop);
-  std::signal(SIGHUP, request_stop);
+  catch_stop_signals();
   const int count = threads > 0 ? threads : oneapi::tbb::info::default_concurrency();
   // Without the first, TBB would never start more workers than there are cores.
   const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
@@ -73,9 +79,9 @@ Run run_over(std::size_t scans, int threads, const std::function<bool(const Take
     return result;
   };
   arena.execute([&] {
-    while (!g_stop_requested && next(take)) bar.show(std::min(++run.scans_done, scans));
+    while (stop_signal() == 0 && next(take)) bar.show(std::min(++run.scans_done, scans));
   });
-  if (run.scans_done < scans) run.stopped_by = g_stop_requested;
+  if (run.scans_done < scans) run.stopped_by = stop_signal();
   return run;
 }
 

@@ -34,6 +34,11 @@ struct Run {
   std::vector<double> cpu;   ///< [s] per scan, of all threads together
 };
 
+/// From now on SIGINT, SIGTERM and SIGHUP are remembered instead of ending the program.
+void catch_stop_signals();
+/// The one that came; 0: none did.
+int stop_signal();
+
 /// Ends the program as the run ended, after all is saved: throws Interrupted, or std::runtime_error.
 void end_as(const Run& run);
 

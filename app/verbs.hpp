@@ -24,6 +24,8 @@ void add_export(CLI::App& app);
 void add_info(CLI::App& app);
 void add_config(CLI::App& app);
 void add_evaluate(CLI::App& app);
+void add_play(CLI::App& app);
+void add_serve(CLI::App& app);
 void add_simulate(CLI::App& app);
 
 }  // namespace evermap

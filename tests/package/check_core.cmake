@@ -11,14 +11,14 @@ function(run)
 endfunction()
 
 set(hidden)
-foreach(package IN ITEMS benchmark BZip2 CLI11 embree fmt GTest nanoflann nlohmann_json octomap PkgConfig PNG rapidcheck spdlog SQLite3
+foreach(package IN ITEMS benchmark BZip2 CLI11 CycloneDDS embree fmt GTest nanoflann nlohmann_json octomap PkgConfig PNG rapidcheck spdlog SQLite3
     ufomap yaml-cpp ZLIB)
   list(APPEND hidden -DCMAKE_DISABLE_FIND_PACKAGE_${package}=TRUE)
 endforeach()
 set(common -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_FLAGS=${FLAGS} -DCMAKE_BUILD_TYPE=Debug
   -DCMAKE_CXX_FLAGS_DEBUG=-O0 ${hidden})
 set(off -DEVERMAP_READ_GZIP=OFF)
-foreach(part IN ITEMS APP BAGS BENCHMARKS CONFIG EVALUATION EXAMPLES HISTORY OCTOMAP SIMULATION TESTS)
+foreach(part IN ITEMS APP BAGS BENCHMARKS CONFIG EVALUATION EXAMPLES HISTORY OCTOMAP ROS SIMULATION TESTS)
   list(APPEND off -DEVERMAP_BUILD_${part}=OFF)
 endforeach()
 
@@ -30,7 +30,7 @@ file(COPY ${libraries} DESTINATION ${WORK}/core/src/evermap)
 run(${CMAKE_COMMAND} --build ${WORK}/core --target evermap_files)
 run(${CMAKE_COMMAND} --install ${WORK}/core)
 file(GLOB_RECURSE installed RELATIVE ${WORK}/prefix ${WORK}/prefix/*.a)
-if(installed MATCHES "bags|config|evaluation|octomap|simulation|yaml")
+if(installed MATCHES "bags|config|evaluation|octomap|ros|simulation|yaml")
   message(FATAL_ERROR "the core alone has ${installed}")
 endif()
 run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/consumer ${common} -DCMAKE_PREFIX_PATH=${WORK}/prefix

@@ -17,6 +17,20 @@ std::string list_of(const std::vector<std::string>& names) {
   return list;
 }
 
+std::optional<std::size_t> find_pose_topic(const BagReader& bag, const std::string& name) {
+  for (std::size_t i = 0; i < bag.topics().size(); ++i) {
+    if (bag.topics()[i].name == name && kind_of(bag.topics()[i].type) == MessageKind::kPoses) return i;
+  }
+  return std::nullopt;
+}
+
+bool has_transforms(const BagReader& bag) {
+  return std::any_of(bag.topics().begin(), bag.topics().end(),
+                     [](const BagTopic& topic) { return kind_of(topic.type) == MessageKind::kTransforms; });
+}
+
+}  // namespace
+
 std::size_t find_cloud_topic(const BagReader& bag, const std::string& wanted) {
   std::vector<std::string> names;
   std::size_t found = 0;
@@ -38,20 +52,6 @@ std::size_t find_cloud_topic(const BagReader& bag, const std::string& wanted) {
     throw FileError(bag.path(), "has clouds on " + list_of(names) + "; choose one by --topic");
   return found;
 }
-
-std::optional<std::size_t> find_pose_topic(const BagReader& bag, const std::string& name) {
-  for (std::size_t i = 0; i < bag.topics().size(); ++i) {
-    if (bag.topics()[i].name == name && kind_of(bag.topics()[i].type) == MessageKind::kPoses) return i;
-  }
-  return std::nullopt;
-}
-
-bool has_transforms(const BagReader& bag) {
-  return std::any_of(bag.topics().begin(), bag.topics().end(),
-                     [](const BagTopic& topic) { return kind_of(topic.type) == MessageKind::kTransforms; });
-}
-
-}  // namespace
 
 ScanBag::ScanBag(const std::filesystem::path& path, const ScanOptions& options)
     : bag_(open_bag(path)),

@@ -19,6 +19,10 @@ void TransformBuffer::add(const StampedTransform& transform, bool is_static) {
   }
 }
 
+void TransformBuffer::forget_motion() {
+  for (auto& [child, link] : links_) link.trajectory = {};
+}
+
 TransformBuffer::Branch TransformBuffer::branch(const std::string& frame, std::optional<double> time) const {
   Branch branch{{frame}, {}};
   while (branch.frames.size() <= links_.size()) {  // a loop of frames is longer

@@ -191,12 +191,15 @@ void MapStore::start_journal() {
   run_ = std::move(run);
 }
 
+bool MapStore::is_due(std::size_t scans) const {
+  return run_ != nullptr &&
+         (scans >= run_->scans + run_->parameters.scans ||
+          Run::Clock::now() >= run_->time + std::chrono::duration<double>(run_->parameters.period));
+}
+
 bool MapStore::acknowledge(const std::function<Octree()>& map, std::size_t scans) {
-  if (run_ == nullptr) return false;
+  if (!is_due(scans)) return false;
   const auto now = Run::Clock::now();
-  const bool is_due = scans >= run_->scans + run_->parameters.scans ||
-                      now >= run_->time + std::chrono::duration<double>(run_->parameters.period);
-  if (!is_due) return false;
   if (!run_->is_begun) start_journal();
   Octree reached = map();
   history_->append_to_journal(run_->newest, run_->journaled, reached, scans, run_->cause);

@@ -61,6 +61,8 @@ class MapStore {
   /// The run has taken `scans`, and its map is this, which is asked for only when it is to be written. When
   /// this returns true, a process that is killed at any later moment, or a power cut, leaves no less.
   bool acknowledge(const std::function<Octree()>& map, std::size_t scans);
+  /// Whether acknowledge() would write.
+  bool is_due(std::size_t scans) const;
 
   /// Puts the version before in place, as a new version; returns its number.
   int undo();

@@ -103,6 +103,7 @@ class MapMaintainer::Loop {
   }
 
   TrackingState state() const { return localizer_.state(); }
+  void set_mode(MapMode mode) { mode_ = mode; }
 
  private:
   /// A scan from before the motion was known, so that its pose could not be believed.
@@ -297,5 +298,6 @@ ScanResult MapMaintainer::process(const Scan& scan, const Pose& T_map_sensor,
 }
 Octree MapMaintainer::map() const { return loop_->snapshot(); }
 TrackingState MapMaintainer::state() const { return loop_->state(); }
+void MapMaintainer::set_mode(MapMode mode) { loop_->set_mode(mode); }
 
 }  // namespace evermap

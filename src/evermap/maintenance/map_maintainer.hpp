@@ -57,6 +57,9 @@ class MapMaintainer {
 
   TrackingState state() const;
 
+  /// From the next scan on.
+  void set_mode(MapMode mode);
+
  private:
   class Loop;
 

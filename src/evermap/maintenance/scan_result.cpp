@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 #include <evermap/maintenance/scan_result.hpp>
 
 namespace evermap {
@@ -14,6 +16,13 @@ ScanResult::PointCounts& ScanResult::PointCounts::operator+=(const PointCounts& 
     this->*count += other.*count;
   }
   return *this;
+}
+
+Eigen::Matrix<double, 6, 6> ScanResult::covariance_of(const Pose& T_sensor_frame) const {
+  Eigen::Matrix<double, 6, 6> lever = Eigen::Matrix<double, 6, 6>::Identity();
+  const Eigen::Vector3d arm = T_map_sensor.rotation * T_sensor_frame.translation;
+  for (int axis = 0; axis < 3; ++axis) lever.col(3 + axis).head<3>() = Eigen::Vector3d::Unit(axis).cross(arm);
+  return lever * covariance * lever.transpose();
 }
 
 void append(std::vector<ScanResult>& run, ScanResult result) {

@@ -66,6 +66,9 @@ struct ScanResult {
   bool is_believed() const {
     return reject_reason == RejectReason::kNone && state == TrackingState::kTracking;
   }
+
+  /// `covariance` for a frame fixed to the sensor, whose place swings with the rotation about the sensor.
+  Eigen::Matrix<double, 6, 6> covariance_of(const Pose& T_sensor_frame) const;
 };
 
 /// Adds the result of a run's next scan, and puts the results that it confirms in their places.

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <evermap/geometry/detail/neighbourhood.hpp>
+#include <evermap/map/detail/leaf_changes.hpp>
 #include <evermap/map/map_difference.hpp>
 
 namespace evermap {
@@ -22,23 +23,24 @@ bool shows(const Octree& octree, VoxelKey key, const Eigen::Vector3d& p_map) {
 
 MapDifference compare(const Octree& before, const Octree& after) {
   MapDifference difference;
-  before.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
-    if (!leaf.occupied() || after.is_occupied(key)) return;
-    if (shows(after, key, before.gaussian(key, leaf).mean)) {
-      ++difference.border_removed;
-    } else {
-      difference.removed.push_back(key);
+  // A leaf that stayed as it was shows its own surface.
+  for (const LeafChange& change : changes_between(before, after)) {
+    const Leaf* old_leaf = before.find(change.key);
+    const bool was_occupied = old_leaf != nullptr && old_leaf->occupied();
+    if (was_occupied && !change.leaf.occupied()) {
+      if (shows(after, change.key, before.gaussian(change.key, *old_leaf).mean)) {
+        ++difference.border_removed;
+      } else {
+        difference.removed.push_back(change.key);
+      }
     }
-  });
-  after.for_each_leaf([&](VoxelKey key, const Leaf& leaf) {
-    if (!leaf.occupied()) return;
-    const bool was_occupied = before.is_occupied(key);
-    if (shows(before, key, after.gaussian(key, leaf).mean)) {
+    if (!change.leaf.occupied()) continue;
+    if (shows(before, change.key, after.gaussian(change.key, change.leaf).mean)) {
       difference.border_added += was_occupied ? 0 : 1;
     } else {
-      (was_occupied ? difference.moved : difference.added).push_back(key);
+      (was_occupied ? difference.moved : difference.added).push_back(change.key);
     }
-  });
+  }
   return difference;
 }
 

@@ -10,6 +10,10 @@
 
 namespace evermap {
 
+/// The topic of clouds of this name, or the only one when it is empty. Throws FileError when there is none,
+/// or it cannot be told which is meant.
+std::size_t find_cloud_topic(const BagReader& bag, const std::string& wanted);
+
 /// The clouds of one topic of a bag, with poses from the same bag where they are asked for.
 class ScanBag : public ScanSource {
  public:

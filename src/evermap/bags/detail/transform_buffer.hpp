@@ -17,6 +17,9 @@ class TransformBuffer {
  public:
   void add(const StampedTransform& transform, bool is_static);
 
+  /// Forgets what moves, as when the clock was set back.
+  void forget_motion();
+
   /// T_target_source at a time [s]; none when the frames are not connected, or not known at that time.
   std::optional<Pose> lookup(const std::string& target, const std::string& source, double time) const;
   /// Whether there is a way from `source` up or down to `target`, at any time.

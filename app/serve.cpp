@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
+#include <spdlog/spdlog.h>
+
+#include "command_line.hpp"
+#include "options.hpp"
+#include "ros_options.hpp"
+#include "run.hpp"
+#include "verbs.hpp"
+#include <evermap/history/map_store.hpp>
+#include <evermap/io/poses.hpp>
+#include <evermap/ros/map_server.hpp>
+
+namespace evermap {
+namespace {
+
+struct ServeOptions {
+  std::filesystem::path map;
+  ServerOptions server;
+  std::optional<Pose> T_map_base_initial;
+  bool is_localizing_only = false;
+  int threads = 0;      ///< 0: one per core
+  double patience = 0;  ///< [s]
+  ParameterOptions parameters;
+};
+
+/// Where the robot was last, for the next start: beside the map.
+std::filesystem::path last_pose_of(const std::filesystem::path& map) { return map.string() + ".pose"; }
+
+std::optional<Pose> read_last_pose(const std::filesystem::path& map) {
+  std::error_code error;
+  if (!std::filesystem::exists(last_pose_of(map), error)) return std::nullopt;
+  return read_poses(last_pose_of(map)).poses.back().T_map_sensor;
+}
+
+void serve(const ServeOptions& options) {
+  const Parameters parameters = parameters_of(options.parameters);
+  MapStore store(options.map, options.patience);
+  Octree map = load_start(options.map, store);
+  if (map.empty()) throw std::runtime_error(options.map.string() + " has no leaves to localize in");
+  ServerOptions server_options = options.server;
+  const std::optional<Pose> last = options.T_map_base_initial ? std::nullopt : read_last_pose(options.map);
+  server_options.T_map_base_initial = options.T_map_base_initial.value_or(last.value_or(Pose{}));
+  server_options.last_pose = last_pose_of(options.map);
+  if (options.is_localizing_only) server_options.mode = MapMode::kLocalization;
+  const oneapi::tbb::global_control limit(
+      oneapi::tbb::global_control::max_allowed_parallelism,
+      static_cast<std::size_t>(options.threads > 0 ? options.threads
+                                                   : oneapi::tbb::info::default_concurrency()));
+  MapServer server(store, std::move(map), parameters, cause_of("serve", server_options.points, parameters),
+                   server_options);
+  fmt::print("serves {} in ROS domain {}: clouds from {}, the robot's place on /tf and /{}/pose{}\n",
+             options.map.string(), server_options.domain, server_options.points, server_options.name,
+             last ? "; it begins where the robot was last" : "");
+  std::fflush(stdout);
+  catch_stop_signals();
+  TrackingState state = TrackingState::kStarting;
+  while (stop_signal() == 0) {
+    constexpr double kStep = 0.1;  // [s] to look for a signal
+    const std::optional<ScanResult> result = server.step(kStep);
+    if (!result || result->state == state) continue;
+    state = result->state;
+    spdlog::warn("{:.3f} s: {}{}{}", result->time, to_string(state),
+                 result->is_believed() ? "" : ": the scan ", to_string(result->reject_reason));
+  }
+  server.finish();
+  const ServerCounts& counts = server.counts();
+  fmt::print("clouds   {} used, {} believed; {} too old when their turn came, {} damaged\n", counts.used,
+             counts.believed, counts.stale, counts.damaged);
+  throw Interrupted(stop_signal());
+}
+
+}  // namespace
+
+void add_serve(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("serve", "Be the map keeper of a robot that speaks ROS 2");
+  const auto options = std::make_shared<ServeOptions>();
+  verb->add_option("MAP.evm", options->map, "Map to localize in and to keep up to date")->required();
+  add_domain_options(*verb, options->server.domain, options->server.is_local);
+  verb->add_option("--points", options->server.points, "Topic of the clouds (sensor_msgs/PointCloud2)")
+      ->type_name("TOPIC")
+      ->capture_default_str();
+  verb->add_option("--odometry", options->server.odometry,
+                   "Topic of the odometry, where /tf does not tell it")
+      ->type_name("TOPIC")
+      ->capture_default_str();
+  verb->add_option("--odom-frame", options->server.odom_frame, "Frame of the odometry in /tf")
+      ->type_name("FRAME")
+      ->capture_default_str();
+  verb->add_option("--base-frame", options->server.base_frame, "Frame of the robot, whose pose is told")
+      ->type_name("FRAME")
+      ->capture_default_str();
+  verb->add_option("--name", options->server.name, "Name of the node: its own topics are below /NAME/")
+      ->type_name("NAME")
+      ->capture_default_str();
+  add_pose_option(*verb, "--initial-pose", "Pose of the base at the first cloud, within 1 m and 10 degrees",
+                  [options](const Pose& T_map_base) { options->T_map_base_initial = T_map_base; })
+      ->default_str("where the robot was last, or the map's origin");
+  verb->add_flag("--no-maintain", options->is_localizing_only, "Leave the map as it is");
+  verb->add_option("--save-every", options->server.save_period, "How often a version of the map is kept")
+      ->check(CLI::PositiveNumber)
+      ->type_name("S")
+      ->capture_default_str();
+  add_sync_option(*verb, options->server.journal);
+  add_threads_option(*verb, options->threads);
+  add_mode_option(*verb, options->parameters);
+  add_range_options(*verb, options->parameters);
+  add_config_option(*verb, options->parameters);
+  add_wait_option(*verb, options->patience);
+  verb->callback([options] { serve(*options); });
+}
+
+}  // namespace evermap

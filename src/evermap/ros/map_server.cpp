@@ -1,0 +1,450 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
+#include <deque>
+#include <future>
+#include <ros_messages.h>
+#include <sstream>
+#include <utility>
+
+#include <evermap/bags/detail/messages.hpp>
+#include <evermap/bags/detail/transform_buffer.hpp>
+#include <evermap/files/file_error.hpp>
+#include <evermap/history/background_store.hpp>
+#include <evermap/io/poses.hpp>
+#include <evermap/ros/detail/dds.hpp>
+#include <evermap/ros/detail/map_topics.hpp>
+#include <evermap/ros/map_server.hpp>
+
+namespace evermap {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point time) {
+  return std::chrono::duration<double>(Clock::now() - time).count();
+}
+
+/// [s] since 1970
+double now() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+constexpr double kGap = 2;      // [s] without clouds, or without odometry, after which nothing is predicted
+constexpr double kSetBack = 1;  // [s] by which a clock goes back when it is set, and no sooner
+constexpr double kSilence = 1;  // [s] without clouds that the robot is told of
+
+}  // namespace
+
+class MapServer::Node {
+ public:
+  Node(MapStore& store, Octree map, const Parameters& parameters, const MapCause& cause,
+       const ServerOptions& options)
+      : options_(options),
+        parameters_(parameters),
+        map_path_(store.path()),
+        map_(std::move(map)),
+        map_frame_(map_.frame().name),
+        T_map_base_(options.T_map_base_initial),
+        mode_(options.mode),
+        store_(store, map_, cause, options.journal),
+        dds_(options.domain, options.is_local),
+        clouds_(dds_, options.points, sensor_msgs_msg_dds__PointCloud2__desc, Delivery::kSensorData, 4),
+        transforms_(dds_, "/tf", tf2_msgs_msg_dds__TFMessage__desc, Delivery::kReliable, 100),
+        static_transforms_(dds_, "/tf_static", tf2_msgs_msg_dds__TFMessage__desc, Delivery::kLatched, 100),
+        odometry_(dds_, options.odometry, nav_msgs_msg_dds__Odometry__desc, Delivery::kSensorData, 100),
+        initial_poses_(dds_, "/initialpose", geometry_msgs_msg_dds__PoseWithCovarianceStamped__desc,
+                       Delivery::kReliable, 1),
+        commands_(dds_, "/" + options.name + "/command", std_msgs_msg_dds__String__desc, Delivery::kReliable,
+                  10),
+        topics_(dds_, options.name, map_frame_),
+        saving_(options.save_period),
+        published_(map_),
+        compared_(map_) {}
+
+  std::optional<ScanResult> step(double seconds) {
+    dds_.wait(waiting_.empty() ? seconds : std::min(seconds, kPatience / 4));
+    take_transforms();
+    take_initial_poses();
+    take_commands();
+    take_clouds();
+    std::optional<ScanResult> result;
+    if (std::optional<CloudMessage> cloud = next_cloud()) result = process(std::move(*cloud));
+    publish_map();
+    publish_changes();
+    if (diagnosing_.is_over()) topics_.send_diagnosis(now(), diagnosis());
+    keep();
+    return result;
+  }
+
+  void finish() {
+    store_.wait();
+    if (counts_.believed > 0) write_tum_poses(options_.last_pose, {{last_time_, T_map_base_}});
+    store_.commit(map(), words_of_run());
+    store_.wait();
+    if (!store_.failure().empty()) throw std::runtime_error(store_.failure());
+  }
+
+  const ServerCounts& counts() const { return counts_; }
+
+ private:
+  struct WaitingCloud {
+    CloudMessage message;
+    Clock::time_point arrival;
+  };
+
+  /// Tells when something that is done again and again is to be done.
+  class Period {
+   public:
+    explicit Period(double seconds) : seconds_(seconds) {}
+
+    bool is_over() {
+      if (seconds_since(last_) < seconds_) return false;
+      last_ = Clock::now();
+      return true;
+    }
+
+   private:
+    double seconds_;
+    Clock::time_point last_ = Clock::now();
+  };
+
+  static constexpr double kPatience = 0.2;       // [s] that odometry may come later than its cloud
+  static constexpr double kFirstPatience = 1.0;  // [s] until there is none
+
+  Octree map() const { return maintainer_ ? maintainer_->map() : map_; }
+
+  // ---- What comes in ----
+
+  std::vector<StampedTransform> transforms_in(const DdsMessage& message, const std::string& topic,
+                                              const std::string& type) const {
+    return read_transforms({topic, type, Wire::kCdr}, message.bytes);
+  }
+
+  void take_transforms() {
+    const auto add_all = [&](DdsReader& reader, const std::string& type, bool is_static) {
+      for (const DdsMessage& message : reader.take()) {
+        for (const StampedTransform& transform : transforms_in(message, reader.topic(), type)) {
+          has_rival_ = has_rival_ || transform.parent == map_frame_;
+          if (transform.parent != map_frame_) frames_.add(transform, is_static);
+        }
+      }
+    };
+    add_all(static_transforms_, "tf2_msgs/TFMessage", true);
+    add_all(transforms_, "tf2_msgs/TFMessage", false);
+    add_all(odometry_, "nav_msgs/Odometry", false);
+  }
+
+  void take_initial_poses() {
+    for (const DdsMessage& message : initial_poses_.take()) {
+      for (const StampedTransform& pose :
+           transforms_in(message, initial_poses_.topic(), "geometry_msgs/PoseWithCovarianceStamped")) {
+        if (!pose.parent.empty() && pose.parent != map_frame_) {
+          topics_.send_reply("initialpose: refused, it is in the frame " + pose.parent + ", the map in " +
+                             map_frame_);
+          continue;
+        }
+        restart_at(pose.T_parent_child);
+      }
+    }
+  }
+
+  void take_clouds() {
+    std::vector<DdsMessage> messages = clouds_.take();
+    std::erase_if(messages, [&](const DdsMessage& message) { return !is_of_our_sensor(message); });
+    if (messages.empty()) return;
+    counts_.stale += messages.size() - 1;
+    last_cloud_ = Clock::now();
+    try {
+      waiting_.push_back({read_cloud_message({clouds_.topic(), "sensor_msgs/PointCloud2", Wire::kCdr},
+                                             messages.back().bytes, clouds_.topic()),
+                          Clock::now()});
+    } catch (const FileError& error) {
+      ++counts_.damaged;
+      fault_ = error.what();
+    }
+  }
+
+  /// Two sensors on one topic would tell of two places; the first is heard as long as it sends.
+  bool is_of_our_sensor(const DdsMessage& message) {
+    if (message.writer != sensor_ && (sensor_ == 0 || seconds_since(last_cloud_) > kSilence))
+      sensor_ = message.writer;
+    counts_.foreign += message.writer == sensor_ ? 0 : 1;
+    return message.writer == sensor_;
+  }
+
+  std::optional<Pose> odometry_of(const CloudMessage& cloud) const {
+    return frames_.lookup(options_.odom_frame, cloud.frame, *cloud.scan.time);
+  }
+
+  /// The freshest cloud that can be used now; those before it are too old then.
+  std::optional<CloudMessage> next_cloud() {
+    const double patience = !has_begun_ ? kFirstPatience : uses_odometry_ ? kPatience : 0;
+    for (std::size_t i = waiting_.size(); i-- > 0;) {
+      WaitingCloud& cloud = waiting_[i];
+      if (!odometry_of(cloud.message) && seconds_since(cloud.arrival) <= patience) continue;
+      counts_.stale += i;
+      std::optional<CloudMessage> next = std::move(cloud.message);
+      waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+      return next;
+    }
+    return std::nullopt;
+  }
+
+  // ---- The scan ----
+
+  /// The robot is searched around a place, without a guess of its speed.
+  void restart_at(const Pose& T_map_base) {
+    T_map_base_ = T_map_base;
+    T_map_odom_.reset();
+    is_to_restart_ = true;
+  }
+
+  std::optional<ScanResult> process(CloudMessage cloud) {
+    const double time = *cloud.scan.time;
+    if (time <= last_time_ && time > last_time_ - kSetBack) {
+      ++counts_.not_later;
+      return std::nullopt;
+    }
+    if (time <= last_time_) {
+      frames_.forget_motion();
+      waiting_.clear();
+      T_map_odom_.reset();
+    }
+    const std::optional<Pose> T_odom_sensor = odometry_of(cloud);
+    if (T_odom_sensor) last_odometry_ = time;
+    if (uses_odometry_ && !T_odom_sensor && std::abs(time - last_odometry_) <= kGap) {
+      ++counts_.without_odometry;
+      return std::nullopt;
+    }
+    const bool is_gap = has_begun_ && (time <= last_time_ || time > last_time_ + kGap);
+    const std::optional<Pose> T_sensor_base = frames_.lookup(cloud.frame, options_.base_frame, time);
+    base_ = T_sensor_base ? options_.base_frame : cloud.frame;
+    const Pose T_base_sensor = T_sensor_base.value_or(Pose{}).inverse();
+    if (is_gap && T_map_odom_ && T_odom_sensor)
+      T_map_base_ = *T_map_odom_ * *T_odom_sensor * T_base_sensor.inverse();
+    if (is_to_restart_ || is_gap || uses_odometry_ != T_odom_sensor.has_value())
+      maintainer_ = std::make_unique<MapMaintainer>(map(), parameters_, mode_, T_map_base_ * T_base_sensor);
+    is_to_restart_ = false;
+    has_begun_ = true;
+    uses_odometry_ = T_odom_sensor.has_value();
+    last_time_ = time;
+
+    const Clock::time_point begin = Clock::now();
+    const ScanResult result = maintainer_->process(cloud.scan, time, T_odom_sensor);
+    milliseconds_ = 1e3 * seconds_since(begin);
+    ++counts_.used;
+    state_ = result.state;
+    reason_ = result.reject_reason;
+    if (result.is_believed()) tell(result, cloud.frame, T_base_sensor, T_odom_sensor);
+    return result;
+  }
+
+  void tell(const ScanResult& result, const std::string& frame, const Pose& T_base_sensor,
+            const std::optional<Pose>& T_odom_sensor) {
+    ++counts_.believed;
+    T_map_base_ = result.T_map_sensor * T_base_sensor.inverse();
+    if (T_odom_sensor) T_map_odom_ = result.T_map_sensor * T_odom_sensor->inverse();
+    if (T_odom_sensor) {
+      topics_.send_transform(result.time, options_.odom_frame, *T_map_odom_);
+    } else {
+      topics_.send_transform(result.time, base_, T_map_base_);
+    }
+    topics_.send_pose(result, base_, base_ == frame ? Pose{} : T_base_sensor.inverse());
+  }
+
+  // ---- What goes out ----
+
+  void publish_map() {
+    if (!publishing_.is_over()) return;
+    const std::size_t readers = topics_.map_readers();
+    const bool is_new_reader = readers > map_readers_;
+    map_readers_ = readers;
+    if (!is_new_reader && !topics_.has_update_readers()) return;
+    const Octree reached = map();
+    if (is_new_reader) topics_.send_map(now(), reached);
+    topics_.send_updates(now(), published_, reached);
+    published_ = reached;
+  }
+
+  void publish_changes() {
+    if (changes_.valid()) {
+      if (changes_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+      topics_.send_changes(now(), changes_.get());
+    }
+    if (!comparing_.is_over()) return;
+    const Octree before = std::exchange(compared_, map());
+    changes_ = std::async(std::launch::async,
+                          [before, after = compared_] { return surface_changes(before, after); });
+  }
+
+  Diagnosis diagnosis() {
+    Diagnosis diagnosis;
+    const double silence = seconds_since(last_cloud_);
+    if (!store_.failure().empty()) {
+      diagnosis = {Diagnosis::kError, "the map cannot be saved: " + store_.failure(), {}};
+    } else if (!has_begun_ || silence > kSilence) {
+      diagnosis = {Diagnosis::kWarning, "no cloud comes on " + options_.points, {}};
+    } else if (state_ == TrackingState::kLost) {
+      diagnosis = {Diagnosis::kError, "lost: the scan " + std::string(to_string(reason_)), {}};
+    } else if (state_ != TrackingState::kTracking || reason_ != RejectReason::kNone) {
+      diagnosis.level = Diagnosis::kWarning;
+      diagnosis.message = std::string(to_string(state_));
+      if (reason_ != RejectReason::kNone)
+        diagnosis.message += ": the scan " + std::string(to_string(reason_));
+    } else if (has_rival_) {
+      diagnosis = {Diagnosis::kWarning, "another node tells where " + map_frame_ + " is, too, on /tf", {}};
+    } else if (clouds_.writers() > 1) {
+      diagnosis = {Diagnosis::kWarning,
+                   std::to_string(clouds_.writers()) + " publish on " + options_.points + "; one is used",
+                   {}};
+    } else {
+      diagnosis.message = std::string(to_string(state_));
+    }
+    const auto add = [&](const char* key, const auto& value) {
+      std::ostringstream words;
+      words << value;
+      diagnosis.values.emplace_back(key, words.str());
+    };
+    add("state", to_string(state_));
+    add("map is maintained", mode_ == MapMode::kMaintenance ? "yes" : "no");
+    add("odometry", uses_odometry_ ? "used" : "none");
+    add("clouds used", counts_.used);
+    add("clouds believed", counts_.believed);
+    add("clouds too old when their turn came", counts_.stale);
+    add("clouds not later than the one before", counts_.not_later);
+    add("clouds damaged", counts_.damaged);
+    add("clouds without odometry at their time", counts_.without_odometry);
+    add("clouds of another publisher", counts_.foreign);
+    add("last damage", fault_);
+    add("milliseconds for the last cloud", milliseconds_);
+    return diagnosis;
+  }
+
+  // ---- The map file ----
+
+  std::string words_of_run() const { return "serve, " + std::to_string(counts_.used) + " scans"; }
+
+  void keep() {
+    if (!store_.is_idle()) return;
+    if (!pending_reply_.empty()) {
+      topics_.send_reply(pending_reply_ +
+                         (store_.failure().empty() ? ": done" : ": failed, " + store_.failure()));
+      pending_reply_.clear();
+    }
+    if (!pending_commit_.empty() || (saving_.is_over() && counts_.used > saved_)) {
+      store_.commit(map(), pending_commit_.empty() ? words_of_run() : pending_commit_);
+      pending_reply_ = std::exchange(pending_command_, {});
+      pending_commit_.clear();
+      saved_ = counts_.used;
+    } else if (noting_.is_over() && counts_.believed > noted_) {
+      noted_ = counts_.believed;
+      store_.start([path = options_.last_pose, time = last_time_, pose = T_map_base_] {
+        write_tum_poses(path, {{time, pose}});
+      });
+    } else if (mode_ == MapMode::kMaintenance) {
+      store_.acknowledge([&] { return map(); }, counts_.used);
+    }
+  }
+
+  void take_commands() {
+    for (const DdsMessage& message : commands_.take()) {
+      WireReader reader(message.bytes, Wire::kCdr);
+      const std::string command(reader.text());
+      std::istringstream words(command);
+      std::string verb;
+      std::string version;
+      words >> verb >> version;
+      if (verb == "save") {
+        pending_commit_ = words_of_run();
+        pending_command_ = command;  // answered when it is done
+      } else if (verb == "pause" || verb == "resume") {
+        mode_ = verb == "pause" ? MapMode::kLocalization : MapMode::kMaintenance;
+        if (maintainer_) maintainer_->set_mode(mode_);
+        topics_.send_reply(command + ": done");
+      } else if (verb == "relocalize") {
+        restart_at(T_map_base_);
+        topics_.send_reply(command + ": done");
+      } else if (verb == "reset" && !version.empty()) {
+        reset(version, command);
+      } else {
+        topics_.send_reply(command +
+                           ": unknown; there are save, pause, resume, relocalize and reset VERSION");
+      }
+    }
+  }
+
+  void reset(const std::string& version, const std::string& command) {
+    try {
+      map_ = load_map_version(map_path_.string() + "@" + version);
+    } catch (const FileError& error) {
+      topics_.send_reply(command + ": failed, " + error.what());
+      return;
+    }
+    maintainer_.reset();
+    is_to_restart_ = true;
+    pending_commit_ = "reset to version " + version;
+    pending_command_ = command;
+  }
+
+  ServerOptions options_;
+  Parameters parameters_;
+  std::filesystem::path map_path_;
+  Octree map_;  ///< until the maintainer has it
+  std::string map_frame_;
+  Pose T_map_base_;                 ///< where the base was last believed to be
+  std::optional<Pose> T_map_odom_;  ///< at that time
+  MapMode mode_;
+  BackgroundStore store_;
+
+  DdsNode dds_;
+  DdsReader clouds_;
+  DdsReader transforms_;
+  DdsReader static_transforms_;
+  DdsReader odometry_;
+  DdsReader initial_poses_;
+  DdsReader commands_;
+  MapTopics topics_;
+
+  TransformBuffer frames_;
+  std::deque<WaitingCloud> waiting_;  ///< for odometry at their time
+  std::uint64_t sensor_ = 0;          ///< who sends the clouds
+  Clock::time_point last_cloud_ = Clock::now();
+  std::string base_;                           ///< frame whose pose is told
+  std::unique_ptr<MapMaintainer> maintainer_;  ///< from the first cloud on
+  bool is_to_restart_ = true;
+  bool has_begun_ = false;
+  bool uses_odometry_ = false;
+  bool has_rival_ = false;
+  double last_time_ = 0;      ///< [s] of the clouds
+  double last_odometry_ = 0;  ///< [s] when it was last known
+  TrackingState state_ = TrackingState::kStarting;
+  RejectReason reason_ = RejectReason::kNone;
+  double milliseconds_ = 0;
+  std::string fault_;
+  ServerCounts counts_;
+
+  Period publishing_{1};
+  Period diagnosing_{1};
+  Period comparing_{10};
+  Period noting_{5};
+  Period saving_;
+  Octree published_;  ///< the map as listeners know it
+  Octree compared_;   ///< as it was when changes were last told
+  std::size_t map_readers_ = 0;
+  std::future<std::vector<SurfaceChange>> changes_;
+  std::string pending_commit_;   ///< words of a version that is to be made
+  std::string pending_command_;  ///< that asked for it
+  std::string pending_reply_;    ///< to a command whose version is being made
+  std::size_t saved_ = 0;        ///< scans when the last version was made
+  std::size_t noted_ = 0;        ///< believed scans when the pose was last kept
+};
+
+MapServer::MapServer(MapStore& store, Octree map, const Parameters& parameters, const MapCause& cause,
+                     const ServerOptions& options)
+    : node_(std::make_unique<Node>(store, std::move(map), parameters, cause, options)) {}
+MapServer::~MapServer() = default;
+std::optional<ScanResult> MapServer::step(double seconds) { return node_->step(seconds); }
+void MapServer::finish() { node_->finish(); }
+const ServerCounts& MapServer::counts() const { return node_->counts(); }
+
+}  // namespace evermap
