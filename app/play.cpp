@@ -1,12 +1,17 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -39,29 +44,73 @@ struct PlayOptions {
   double wait = 10;       ///< [s] for a listener
 };
 
-/// Lets the recording's time pass as fast as was asked for.
-class Pace {
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point time) {
+  return std::chrono::duration<double>(Clock::now() - time).count();
+}
+
+/// Lets the recording's time pass as fast as was asked for, and listens meanwhile how soon each cloud is
+/// answered by a transform of its time.
+class Stage {
  public:
-  Pace(ScanPublisher& publisher, double speed) : publisher_(publisher), speed_(speed) {}
+  Stage(ScanPublisher& publisher, double speed) : publisher_(publisher), speed_(speed) {}
 
   /// Returns when `time` [s] of the recording is reached, and tells it to /clock.
   void reach(double time) {
-    using Clock = std::chrono::steady_clock;
     if (!std::exchange(has_begun_, true)) {
       first_ = time;
       begin_ = Clock::now();
     }
-    std::this_thread::sleep_until(begin_ + std::chrono::duration_cast<Clock::duration>(
-                                               std::chrono::duration<double>((time - first_) / speed_)));
+    constexpr double kStep = 0.1;  // [s] to look for a signal
+    for (double left = 1; left > 0 && stop_signal() == 0;) {
+      left = (time - first_) / speed_ - seconds_since(begin_);
+      listen(std::clamp(left, 0.0, kStep));
+    }
     publisher_.send_clock(time);
   }
 
+  void send_cloud(const Scan& scan, const std::string& frame) {
+    sent_[nanoseconds(*scan.time)] = Clock::now();
+    publisher_.send_cloud(scan, frame);
+    ++clouds_;
+  }
+
+  /// Waits for the last answers.
+  void end() {
+    constexpr double kPatience = 0.5;  // [s]
+    for (const Clock::time_point begin = Clock::now(); !sent_.empty() && seconds_since(begin) < kPatience;)
+      listen(kPatience - seconds_since(begin));
+  }
+
+  std::size_t clouds() const { return clouds_; }
+  /// [ms] how long each answer took, ascending.
+  std::vector<double> answers() const {
+    std::vector<double> sorted = answers_;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  }
+
  private:
+  static std::int64_t nanoseconds(double time) { return std::llround(1e9 * time); }
+
+  void listen(double seconds) {
+    constexpr std::int64_t kRounding = 2000;  // [ns] of a time as a double and back
+    for (const StampedTransform& heard : publisher_.listen(seconds)) {
+      const auto sent = sent_.lower_bound(nanoseconds(heard.time) - kRounding);
+      if (sent == sent_.end() || sent->first > nanoseconds(heard.time) + kRounding) continue;
+      answers_.push_back(1e3 * seconds_since(sent->second));
+      sent_.erase(sent_.begin(), std::next(sent));  // those before are not answered any more
+    }
+  }
+
   ScanPublisher& publisher_;
   double speed_;
   bool has_begun_ = false;
   double first_ = 0;  ///< [s]
-  std::chrono::steady_clock::time_point begin_;
+  Clock::time_point begin_;
+  std::map<std::int64_t, Clock::time_point> sent_;  ///< clouds without an answer, by their times [ns]
+  std::vector<double> answers_;                     ///< [ms]
+  std::size_t clouds_ = 0;
 };
 
 void wait_for_listener(const ScanPublisher& publisher, double seconds) {
@@ -74,66 +123,72 @@ void wait_for_listener(const ScanPublisher& publisher, double seconds) {
 }
 
 /// Clouds of files, with odometry from poses of the sensor where they are given.
-std::size_t play_scans(const PlayOptions& options, ScanPublisher& publisher) {
+void play_scans(const PlayOptions& options, ScanPublisher& publisher, Stage& stage) {
   const std::string frame = "lidar";
   ScanOptions reading = options.reading;
   ScanPoses odometry(options.odometry, options.recording, reading);
   const std::unique_ptr<ScanSource> scans = open_scans(options.recording, reading);
-  Pace pace(publisher, options.speed);
   const ProgressBar bar(scans->size());
-  std::size_t count = 0;
   while (std::optional<Scan> scan = stop_signal() == 0 ? scans->next() : std::nullopt) {
-    if (count == 0) odometry.match(*scans, options.recording, *scan);
+    if (stage.clouds() == 0) odometry.match(*scans, options.recording, *scan);
     const double by_count = static_cast<double>(scans->index() + 1) / options.scan_rate;
     scan->time = scan->time.value_or(odometry.time(*scans).value_or(by_count));
-    pace.reach(*scan->time);
-    publisher.send_cloud(*scan, frame);
+    stage.reach(*scan->time);
+    stage.send_cloud(*scan, frame);
     if (const std::optional<Pose> T_odom_sensor = odometry.end_of(*scan, *scans)) {
       constexpr double kAfter = 1e-3;  // [s] odometry is known beyond the scan's end
       publisher.send_transforms({{*scan->time, "odom", frame, *T_odom_sensor},
                                  {*scan->time + kAfter, "odom", frame, *T_odom_sensor}},
                                 false);
     }
-    bar.show(++count);
+    bar.show(stage.clouds());
   }
-  return count;
 }
 
 /// A bag's clouds, transforms and odometry.
-std::size_t play_bag(const PlayOptions& options, ScanPublisher& publisher) {
+void play_bag(const PlayOptions& options, ScanPublisher& publisher, Stage& stage) {
   const std::unique_ptr<BagReader> bag = open_bag(options.recording);
   const std::vector<BagTopic>& topics = bag->topics();
   const std::size_t clouds = find_cloud_topic(*bag, options.reading.topic);
-  Pace pace(publisher, options.speed);
   const ProgressBar bar(topics[clouds].messages);
-  std::size_t count = 0;
   while (const std::optional<BagMessage> message = stop_signal() == 0 ? bag->next() : std::nullopt) {
     const BagTopic& topic = topics[message->topic];
     if (message->topic == clouds) {
       const CloudMessage cloud = read_cloud_message(topic, message->bytes, bag->path());
-      pace.reach(message->time);
-      publisher.send_cloud(cloud.scan, cloud.frame);
-      bar.show(++count);
+      stage.reach(message->time);
+      stage.send_cloud(cloud.scan, cloud.frame);
+      bar.show(stage.clouds());
     } else if (kind_of(topic.type) == MessageKind::kTransforms) {
-      pace.reach(message->time);
+      stage.reach(message->time);
       publisher.send_transforms(read_transforms(topic, message->bytes), topic.name.ends_with("tf_static"));
     } else if (topic.type == "nav_msgs/Odometry") {
-      pace.reach(message->time);
+      stage.reach(message->time);
       for (const StampedTransform& pose : read_transforms(topic, message->bytes))
         publisher.send_odometry(pose);
     }
   }
   if (!bag->damage().empty()) throw FileError(bag->path(), bag->damage());
-  return count;
 }
 
 void play(const PlayOptions& options) {
   ScanPublisher publisher(options.domain, options.is_local, options.points, options.odometry_topic);
   catch_stop_signals();
   wait_for_listener(publisher, options.wait);
-  const std::size_t clouds =
-      is_bag(options.recording) ? play_bag(options, publisher) : play_scans(options, publisher);
-  fmt::print("played   {} clouds of {}\n", clouds, options.recording.string());
+  Stage stage(publisher, options.speed);
+  if (is_bag(options.recording)) {
+    play_bag(options, publisher, stage);
+  } else {
+    play_scans(options, publisher, stage);
+  }
+  stage.end();
+  fmt::print("played   {} clouds of {}\n", stage.clouds(), options.recording.string());
+  const std::vector<double> answers = stage.answers();
+  if (answers.empty()) {
+    fmt::print("answers  none on /tf\n");
+  } else {
+    fmt::print("answers  {} on /tf, half of them within {:.1f} ms, 99 % within {:.1f} ms\n", answers.size(),
+               answers[answers.size() / 2], answers[99 * answers.size() / 100]);
+  }
   if (stop_signal() != 0) throw Interrupted(stop_signal());
 }
 

@@ -43,6 +43,7 @@ std::optional<Pose> read_last_pose(const std::filesystem::path& map) {
 }
 
 void serve(const ServeOptions& options) {
+  catch_stop_signals();
   const Parameters parameters = parameters_of(options.parameters);
   MapStore store(options.map, options.patience);
   Octree map = load_start(options.map, store);
@@ -62,7 +63,6 @@ void serve(const ServeOptions& options) {
              options.map.string(), server_options.domain, server_options.points, server_options.name,
              last ? "; it begins where the robot was last" : "");
   std::fflush(stdout);
-  catch_stop_signals();
   TrackingState state = TrackingState::kStarting;
   while (stop_signal() == 0) {
     constexpr double kStep = 0.1;  // [s] to look for a signal

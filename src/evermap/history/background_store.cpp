@@ -3,11 +3,11 @@
 #include <chrono>
 #include <utility>
 
+#include <evermap/files/detail/background.hpp>
 #include <evermap/files/file_error.hpp>
 #include <evermap/history/background_store.hpp>
 
 namespace evermap {
-
 BackgroundStore::BackgroundStore(MapStore& store, const Octree& map, MapCause cause,
                                  const JournalParameters& journal)
     : store_(store), cause_(std::move(cause)), journal_(journal) {
@@ -34,9 +34,7 @@ void BackgroundStore::collect() {
   }
 }
 
-void BackgroundStore::start(std::function<void()> task) {
-  task_ = std::async(std::launch::async, std::move(task));
-}
+void BackgroundStore::start(std::function<void()> task) { task_ = in_background(std::move(task)); }
 
 void BackgroundStore::acknowledge(const std::function<Octree()>& map, std::size_t scans) {
   if (!is_idle() || !store_.is_due(scans)) return;

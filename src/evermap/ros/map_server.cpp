@@ -9,6 +9,7 @@
 
 #include <evermap/bags/detail/messages.hpp>
 #include <evermap/bags/detail/transform_buffer.hpp>
+#include <evermap/files/detail/background.hpp>
 #include <evermap/files/file_error.hpp>
 #include <evermap/history/background_store.hpp>
 #include <evermap/io/poses.hpp>
@@ -108,8 +109,7 @@ class MapServer::Node {
     Clock::time_point last_ = Clock::now();
   };
 
-  static constexpr double kPatience = 0.2;       // [s] that odometry may come later than its cloud
-  static constexpr double kFirstPatience = 1.0;  // [s] until there is none
+  static constexpr double kPatience = 0.2;  // [s] that odometry may come later than its cloud
 
   Octree map() const { return maintainer_ ? maintainer_->map() : map_; }
 
@@ -172,16 +172,19 @@ class MapServer::Node {
     return message.writer == sensor_;
   }
 
-  std::optional<Pose> odometry_of(const CloudMessage& cloud) const {
-    return frames_.lookup(options_.odom_frame, cloud.frame, *cloud.scan.time);
+  std::optional<Pose> odometry_at(double time, const CloudMessage& cloud) const {
+    return frames_.lookup(options_.odom_frame, cloud.frame, time);
   }
 
   /// The freshest cloud that can be used now; those before it are too old then.
   std::optional<CloudMessage> next_cloud() {
-    const double patience = !has_begun_ ? kFirstPatience : uses_odometry_ ? kPatience : 0;
     for (std::size_t i = waiting_.size(); i-- > 0;) {
       WaitingCloud& cloud = waiting_[i];
-      if (!odometry_of(cloud.message) && seconds_since(cloud.arrival) <= patience) continue;
+      const double time = *cloud.message.scan.time;
+      const bool is_odometry_coming = !odometry_at(time, cloud.message) &&
+                                      odometry_at(time - kPatience, cloud.message) &&
+                                      seconds_since(cloud.arrival) <= kPatience;
+      if (is_odometry_coming) continue;
       counts_.stale += i;
       std::optional<CloudMessage> next = std::move(cloud.message);
       waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
@@ -210,7 +213,7 @@ class MapServer::Node {
       waiting_.clear();
       T_map_odom_.reset();
     }
-    const std::optional<Pose> T_odom_sensor = odometry_of(cloud);
+    const std::optional<Pose> T_odom_sensor = odometry_at(time, cloud);
     if (T_odom_sensor) last_odometry_ = time;
     if (uses_odometry_ && !T_odom_sensor && std::abs(time - last_odometry_) <= kGap) {
       ++counts_.without_odometry;
@@ -273,8 +276,7 @@ class MapServer::Node {
     }
     if (!comparing_.is_over()) return;
     const Octree before = std::exchange(compared_, map());
-    changes_ = std::async(std::launch::async,
-                          [before, after = compared_] { return surface_changes(before, after); });
+    changes_ = in_background([before, after = compared_] { return surface_changes(before, after); });
   }
 
   Diagnosis diagnosis() {

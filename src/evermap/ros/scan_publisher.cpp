@@ -26,7 +26,8 @@ class ScanPublisher::Topics {
         odometry(node, odometry_topic, nav_msgs_msg_dds__Odometry__desc, Delivery::kReliable),
         clock(node, "/clock", rosgraph_msgs_msg_dds__Clock__desc, Delivery::kSensorData),
         initial_pose(node, "/initialpose", geometry_msgs_msg_dds__PoseWithCovarianceStamped__desc,
-                     Delivery::kReliable) {}
+                     Delivery::kReliable),
+        others(node, "/tf", tf2_msgs_msg_dds__TFMessage__desc, Delivery::kReliable, 100) {}
 
   DdsNode node;
   DdsWriter clouds;
@@ -35,6 +36,7 @@ class ScanPublisher::Topics {
   DdsWriter odometry;
   DdsWriter clock;
   DdsWriter initial_pose;
+  DdsReader others;                       ///< transforms of other nodes
   std::vector<StampedTransform> statics;  ///< all that were sent
 };
 
@@ -83,6 +85,16 @@ void ScanPublisher::send_initial_pose(const StampedTransform& pose) {
   const geometry_msgs_msg_dds__PoseWithCovarianceStamped_ message{
       header_of(pose.time, pose.parent), with_covariance(pose.T_parent_child, kUnknown)};
   topics_->initial_pose.write(&message);
+}
+
+std::vector<StampedTransform> ScanPublisher::listen(double seconds) {
+  topics_->node.wait(seconds);
+  std::vector<StampedTransform> heard;
+  for (const DdsMessage& message : topics_->others.take()) {
+    for (StampedTransform& one : read_transforms({"/tf", "tf2_msgs/TFMessage", Wire::kCdr}, message.bytes))
+      heard.push_back(std::move(one));
+  }
+  return heard;
 }
 
 std::size_t ScanPublisher::listeners() const { return topics_->clouds.readers(); }

@@ -28,6 +28,9 @@ class ScanPublisher {
   /// geometry_msgs/PoseWithCovarianceStamped to /initialpose
   void send_initial_pose(const StampedTransform& pose);
 
+  /// What comes on /tf from others, within `seconds`; returns as soon as something does.
+  std::vector<StampedTransform> listen(double seconds);
+
   /// How many listen to the clouds.
   std::size_t listeners() const;
 
