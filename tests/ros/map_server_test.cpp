@@ -92,8 +92,11 @@ class MapServerTest : public FileTest {
     robot_.send_cloud(scan, kFrame);
     return next_result();
   }
+  /// None when the cloud was left out, or nothing came of it for three seconds.
   std::optional<ScanResult> next_result() {
-    for (int i = 0; i < 300; ++i) {
+    const auto left_out = [&] { return server().counts().not_later + server().counts().without_odometry; };
+    const std::size_t before = left_out();
+    for (int i = 0; i < 300 && left_out() == before; ++i) {
       if (std::optional<ScanResult> result = server().step(0.01)) return result;
     }
     return std::nullopt;
@@ -236,6 +239,66 @@ TEST_F(MapServerTest, GivesTheWholeMapToWhoComesLater) {
     }
   }
   FAIL() << "no map came";
+}
+
+TEST_F(MapServerTest, FindsTheRobotAfterAMinuteWithoutClouds) {
+  for (std::size_t i = 0; i < 4; ++i) ASSERT_TRUE(drive_scan(i));
+  std::optional<ScanResult> result;
+  for (std::size_t i = 4; i < 10; ++i) result = drive_scan(i, std::nullopt, 60);
+  ASSERT_TRUE(result);
+  EXPECT_TRUE(result->is_believed());
+  EXPECT_LT(error(result->T_map_sensor, drive().T_map_sensor(9)), 0.02);
+}
+
+TEST_F(MapServerTest, OdometryThatComesAfterItsCloudIsWaitedFor) {
+  const Pose T_odom_map = {Eigen::Matrix3d::Identity(), {3, 4, 0}};
+  for (std::size_t i = 0; i < 3; ++i) ASSERT_TRUE(drive_scan(i, T_odom_map));
+  Scan scan = drive().scan(3).scan;
+  scan.time = 100 + drive().time(3);
+  robot_.send_cloud(scan, kFrame);
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(server().step(0.01));
+  robot_.send_transforms({{*scan.time + 0.01, "odom", options_.base_frame,
+                           T_odom_map * drive().T_map_sensor(3) * kBaseOnSensor}},
+                         false);
+  const std::optional<ScanResult> result = next_result();
+  ASSERT_TRUE(result);
+  EXPECT_TRUE(result->is_believed());
+  EXPECT_EQ(transforms_heard().back().child, "odom");
+}
+
+TEST_F(MapServerTest, OdometryMayBeginAndEndLater) {
+  const Pose T_odom_map = {Eigen::Matrix3d::Identity(), {3, 4, 0}};
+  for (std::size_t i = 0; i < 3; ++i) ASSERT_TRUE(drive_scan(i));
+  for (std::size_t i = 3; i < 8; ++i) drive_scan(i, T_odom_map);
+  EXPECT_EQ(transforms_heard().back().child, "odom");
+  std::optional<ScanResult> result;
+  for (std::size_t i = 8; i < 40; ++i) result = drive_scan(i);
+  ASSERT_TRUE(result);
+  EXPECT_TRUE(result->is_believed()) << to_string(result->reject_reason);
+  EXPECT_EQ(transforms_heard().back().child, "base_link");
+  EXPECT_GT(server().counts().without_odometry, 0U);
+}
+
+TEST_F(MapServerTest, HearsTheFirstOfTwoSensorsOnOneTopic) {
+  ASSERT_TRUE(drive_scan(0));
+  ScanPublisher second(domain(), true, "/points", "/odom");
+  while (second.listeners() == 0) server().step(0.01);
+  Scan elsewhere = drive().scan(20).scan;
+  elsewhere.time = 100 + drive().time(1) - 0.01;
+  second.send_cloud(elsewhere, kFrame);
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(server().step(0.01));
+  EXPECT_EQ(server().counts().foreign, 1U);
+  ASSERT_TRUE(drive_scan(1));
+  const std::optional<ScanResult> result = drive_scan(2);
+  ASSERT_TRUE(result);
+  EXPECT_LT(error(result->T_map_sensor, drive().T_map_sensor(2)), 0.02);
+}
+
+TEST_F(MapServerTest, ALoopOfFramesTellsNothingAndHarmsNothing) {
+  server();
+  robot_.send_transforms(
+      {{0, "a", "b", {}}, {0, "b", "a", {}}, {0, "odom", "lidar", {}}, {0, "lidar", "odom", {}}}, true);
+  for (std::size_t i = 0; i < 3; ++i) ASSERT_TRUE(drive_scan(i));
 }
 
 TEST_F(MapServerTest, SaysThatNoCloudComes) {

@@ -16,7 +16,8 @@ namespace {
 // of it.
 constexpr const char* kSizes =
     "<Domain><General><MaxMessageSize>65500B</MaxMessageSize><FragmentSize>65000B</FragmentSize></General>"
-    "<Internal><SocketReceiveBufferSize max=\"16MiB\"/></Internal></Domain>";
+    "<Internal><SocketReceiveBufferSize "
+    "max=\"16MiB\"/><MaxSampleSize>256MiB</MaxSampleSize></Internal></Domain>";
 // Loopback without multicast works everywhere, in containers too.
 constexpr const char* kLocal =
     "<Domain><General><Interfaces><NetworkInterface name=\"lo\"/></Interfaces>"

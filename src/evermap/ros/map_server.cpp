@@ -30,9 +30,10 @@ double now() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-constexpr double kGap = 2;      // [s] without clouds, or without odometry, after which nothing is predicted
-constexpr double kSetBack = 1;  // [s] by which a clock goes back when it is set, and no sooner
-constexpr double kSilence = 1;  // [s] without clouds that the robot is told of
+constexpr double kGap = 2;            // [s] without clouds, after which nothing is predicted
+constexpr double kOdometryGap = 0.5;  // [s] without odometry, after which it is done without
+constexpr double kSetBack = 1;        // [s] by which a clock goes back when it is set, and no sooner
+constexpr double kSilence = 1;        // [s] without clouds that the robot is told of
 
 }  // namespace
 
@@ -215,7 +216,7 @@ class MapServer::Node {
     }
     const std::optional<Pose> T_odom_sensor = odometry_at(time, cloud);
     if (T_odom_sensor) last_odometry_ = time;
-    if (uses_odometry_ && !T_odom_sensor && std::abs(time - last_odometry_) <= kGap) {
+    if (uses_odometry_ && !T_odom_sensor && std::abs(time - last_odometry_) <= kOdometryGap) {
       ++counts_.without_odometry;
       return std::nullopt;
     }
@@ -309,6 +310,9 @@ class MapServer::Node {
     };
     add("state", to_string(state_));
     add("map is maintained", mode_ == MapMode::kMaintenance ? "yes" : "no");
+    add("pose of", has_begun_ && base_ != options_.base_frame
+                       ? base_ + ", for /tf does not connect it with " + options_.base_frame
+                       : base_);
     add("odometry", uses_odometry_ ? "used" : "none");
     add("clouds used", counts_.used);
     add("clouds believed", counts_.believed);
