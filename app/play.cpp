@@ -41,7 +41,8 @@ struct PlayOptions {
   std::string odometry;  ///< poses of the sensor
   double speed = 1;
   double scan_rate = 10;  ///< [Hz] of scans without times
-  double wait = 10;       ///< [s] for a listener
+  std::size_t repeat = 1;
+  double wait = 10;  ///< [s] for a listener
 };
 
 using Clock = std::chrono::steady_clock;
@@ -55,12 +56,17 @@ class Stage {
  public:
   Stage(ScanPublisher& publisher, double speed) : publisher_(publisher), speed_(speed) {}
 
+  /// The recording is played once more: what it says from now on comes `period` [s] after what it said last.
+  void repeat(double period) { shift_ = last_ - first_ + period; }
+
   /// Returns when `time` [s] of the recording is reached, and tells it to /clock.
   void reach(double time) {
     if (!std::exchange(has_begun_, true)) {
       first_ = time;
       begin_ = Clock::now();
     }
+    time += shift_;
+    last_ = std::max(last_, time);
     constexpr double kStep = 0.1;  // [s] to look for a signal
     for (double left = 1; left > 0 && stop_signal() == 0;) {
       left = (time - first_) / speed_ - seconds_since(begin_);
@@ -69,10 +75,19 @@ class Stage {
     publisher_.send_clock(time);
   }
 
-  void send_cloud(const Scan& scan, const std::string& frame) {
+  void send_cloud(Scan scan, const std::string& frame) {
+    *scan.time += shift_;
     sent_[nanoseconds(*scan.time)] = Clock::now();
     publisher_.send_cloud(scan, frame);
     ++clouds_;
+  }
+  void send_transforms(std::vector<StampedTransform> transforms, bool is_static) {
+    for (StampedTransform& transform : transforms) transform.time += shift_;
+    publisher_.send_transforms(transforms, is_static);
+  }
+  void send_odometry(StampedTransform pose) {
+    pose.time += shift_;
+    publisher_.send_odometry(pose);
   }
 
   /// Waits for the last answers.
@@ -107,6 +122,8 @@ class Stage {
   double speed_;
   bool has_begun_ = false;
   double first_ = 0;  ///< [s]
+  double last_ = 0;   ///< [s] as it is told
+  double shift_ = 0;  ///< [s] from the recording's time to what is told
   Clock::time_point begin_;
   std::map<std::int64_t, Clock::time_point> sent_;  ///< clouds without an answer, by their times [ns]
   std::vector<double> answers_;                     ///< [ms]
@@ -123,34 +140,36 @@ void wait_for_listener(const ScanPublisher& publisher, double seconds) {
 }
 
 /// Clouds of files, with odometry from poses of the sensor where they are given.
-void play_scans(const PlayOptions& options, ScanPublisher& publisher, Stage& stage) {
+void play_scans(const PlayOptions& options, Stage& stage) {
   const std::string frame = "lidar";
   ScanOptions reading = options.reading;
   ScanPoses odometry(options.odometry, options.recording, reading);
   const std::unique_ptr<ScanSource> scans = open_scans(options.recording, reading);
-  const ProgressBar bar(scans->size());
+  const ProgressBar bar(scans->size() * options.repeat);
+  bool is_matched = false;
   while (std::optional<Scan> scan = stop_signal() == 0 ? scans->next() : std::nullopt) {
-    if (stage.clouds() == 0) odometry.match(*scans, options.recording, *scan);
+    if (!std::exchange(is_matched, true)) odometry.match(*scans, options.recording, *scan);
     const double by_count = static_cast<double>(scans->index() + 1) / options.scan_rate;
-    scan->time = scan->time.value_or(odometry.time(*scans).value_or(by_count));
-    stage.reach(*scan->time);
-    stage.send_cloud(*scan, frame);
-    if (const std::optional<Pose> T_odom_sensor = odometry.end_of(*scan, *scans)) {
+    const double time = scan->time.value_or(odometry.time(*scans).value_or(by_count));
+    scan->time = time;
+    const std::optional<Pose> T_odom_sensor = odometry.end_of(*scan, *scans);
+    stage.reach(time);
+    stage.send_cloud(std::move(*scan), frame);
+    if (T_odom_sensor) {
       constexpr double kAfter = 1e-3;  // [s] odometry is known beyond the scan's end
-      publisher.send_transforms({{*scan->time, "odom", frame, *T_odom_sensor},
-                                 {*scan->time + kAfter, "odom", frame, *T_odom_sensor}},
-                                false);
+      stage.send_transforms(
+          {{time, "odom", frame, *T_odom_sensor}, {time + kAfter, "odom", frame, *T_odom_sensor}}, false);
     }
     bar.show(stage.clouds());
   }
 }
 
 /// A bag's clouds, transforms and odometry.
-void play_bag(const PlayOptions& options, ScanPublisher& publisher, Stage& stage) {
+void play_bag(const PlayOptions& options, Stage& stage) {
   const std::unique_ptr<BagReader> bag = open_bag(options.recording);
   const std::vector<BagTopic>& topics = bag->topics();
   const std::size_t clouds = find_cloud_topic(*bag, options.reading.topic);
-  const ProgressBar bar(topics[clouds].messages);
+  const ProgressBar bar(topics[clouds].messages * options.repeat);
   while (const std::optional<BagMessage> message = stop_signal() == 0 ? bag->next() : std::nullopt) {
     const BagTopic& topic = topics[message->topic];
     if (message->topic == clouds) {
@@ -160,11 +179,10 @@ void play_bag(const PlayOptions& options, ScanPublisher& publisher, Stage& stage
       bar.show(stage.clouds());
     } else if (kind_of(topic.type) == MessageKind::kTransforms) {
       stage.reach(message->time);
-      publisher.send_transforms(read_transforms(topic, message->bytes), topic.name.ends_with("tf_static"));
+      stage.send_transforms(read_transforms(topic, message->bytes), topic.name.ends_with("tf_static"));
     } else if (topic.type == "nav_msgs/Odometry") {
       stage.reach(message->time);
-      for (const StampedTransform& pose : read_transforms(topic, message->bytes))
-        publisher.send_odometry(pose);
+      for (const StampedTransform& pose : read_transforms(topic, message->bytes)) stage.send_odometry(pose);
     }
   }
   if (!bag->damage().empty()) throw FileError(bag->path(), bag->damage());
@@ -175,10 +193,13 @@ void play(const PlayOptions& options) {
   catch_stop_signals();
   wait_for_listener(publisher, options.wait);
   Stage stage(publisher, options.speed);
-  if (is_bag(options.recording)) {
-    play_bag(options, publisher, stage);
-  } else {
-    play_scans(options, publisher, stage);
+  for (std::size_t round = 0; round < options.repeat && stop_signal() == 0; ++round) {
+    if (round > 0) stage.repeat(1 / options.scan_rate);
+    if (is_bag(options.recording)) {
+      play_bag(options, stage);
+    } else {
+      play_scans(options, stage);
+    }
   }
   stage.end();
   fmt::print("played   {} clouds of {}\n", stage.clouds(), options.recording.string());
@@ -216,6 +237,10 @@ void add_play(CLI::App& app) {
   verb->add_option("--rate", options->scan_rate, "Scans per second, of scans without times")
       ->check(CLI::Range(0.1, 1000.0))
       ->type_name("HZ")
+      ->capture_default_str();
+  verb->add_option("--repeat", options->repeat, "Play it so many times, one after the other")
+      ->check(CLI::PositiveNumber)
+      ->type_name("N")
       ->capture_default_str();
   verb->add_option("--wait", options->wait, "How long to wait for someone who listens")
       ->check(CLI::NonNegativeNumber)

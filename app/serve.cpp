@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <systemd/sd-daemon.h>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
@@ -63,15 +64,19 @@ void serve(const ServeOptions& options) {
              options.map.string(), server_options.domain, server_options.points, server_options.name,
              last ? "; it begins where the robot was last" : "");
   std::fflush(stdout);
+  sd_notify(0, "READY=1");
   TrackingState state = TrackingState::kStarting;
   while (stop_signal() == 0) {
     constexpr double kStep = 0.1;  // [s] to look for a signal
     const std::optional<ScanResult> result = server.step(kStep);
+    sd_notify(0, "WATCHDOG=1");
     if (!result || result->state == state) continue;
     state = result->state;
+    sd_notifyf(0, "STATUS=%s", std::string(to_string(state)).c_str());
     spdlog::warn("{:.3f} s: {}{}{}", result->time, to_string(state),
                  result->is_believed() ? "" : ": the scan ", to_string(result->reject_reason));
   }
+  sd_notify(0, "STOPPING=1");
   server.finish();
   const ServerCounts& counts = server.counts();
   fmt::print("clouds   {} used, {} believed; {} too old when their turn came, {} damaged\n", counts.used,

@@ -202,6 +202,31 @@ TEST_F(MapStoreTest, AKilledRunIsThereUpToTheLastScanThatItAcknowledged) {
   }
 }
 
+TEST_F(MapStoreTest, AJournalTakesNoMoreThanAboutTheMap) {
+  Octree octree = random_octree(generator_, 20000, octree_.grid());
+  std::vector<VoxelKey> keys;
+  octree.for_each_leaf([&](VoxelKey key, const Leaf&) { keys.push_back(key); });
+  save_map(map(), octree);
+  const auto size_of = [&](const char* suffix) {
+    return std::filesystem::file_size(map().string() + suffix);
+  };
+  constexpr std::size_t kScans = 100;
+  killed_after([&](MapStore& store) {
+    store.begin(octree, {"serve", ""}, {.scans = 1});
+    for (std::size_t scan = 1; scan <= kScans; ++scan) {
+      for (const VoxelKey key : keys) octree.find(key)->count = static_cast<float>(scan);
+      store.acknowledge([&] { return octree; }, scan);
+    }
+    save_map(path("reached.evm"), octree);
+  });
+  constexpr std::size_t kMiB = std::size_t{1} << 20;
+  EXPECT_LT(size_of(".history"), 24 * kMiB);
+  EXPECT_LT(size_of(".history-wal"), 8 * kMiB);
+  save_map(path("read.evm"), load_map_version(map()));
+  EXPECT_TRUE(content(path("read.evm")) == content(path("reached.evm")));
+  EXPECT_EQ(causes().back(), "serve, ended by force after 100 scans");
+}
+
 TEST_F(MapStoreTest, ARunThatBeganWithAnotherMapIsThereToo) {
   const Octree start = next();
   const Octree later = next();

@@ -23,6 +23,12 @@ StoredVersion version_of(const MapCause& cause, bool is_in_place) {
   return version;
 }
 
+/// Condensing a journal means to read the map, so a journal may grow to about its size first.
+std::size_t most_journal_bytes(const Octree& map) {
+  constexpr std::size_t kLeast = std::size_t{16} << 20;
+  return std::max(kLeast, sizeof(Leaf) * map.leaf_count());
+}
+
 }  // namespace
 
 /// A run that has not ended.
@@ -31,11 +37,13 @@ struct MapStore::Run {
 
   MapCause cause;
   JournalParameters parameters;
-  Octree journaled;       ///< the map as far as the journal tells it
-  StoredVersion newest;   ///< what the journal continues
-  std::size_t scans = 0;  ///< that are acknowledged
+  Octree journaled;           ///< the map as far as the journal tells it
+  StoredVersion newest = {};  ///< what the journal continues
+  std::size_t scans = 0;      ///< that are acknowledged
   Clock::time_point time = Clock::now();
-  bool is_begun = false;   ///< whether anything was written
+  std::size_t journal_bytes = 0;
+  std::size_t most_journal_bytes = 0;  ///< before it is condensed
+  bool is_begun = false;               ///< whether anything was written
   bool is_ending = false;  ///< its map is being stored: whatever happens, what it did is not given up
 };
 
@@ -177,7 +185,7 @@ void MapStore::create(const Octree& map, const MapCause& cause) {
 
 void MapStore::begin(const Octree& map, const MapCause& cause, const JournalParameters& parameters) {
   if (parameters.scans == 0) return;
-  run_ = std::make_unique<Run>(Run{cause, parameters, map, {}, 0, Run::Clock::now(), false, false});
+  run_ = std::make_unique<Run>(Run{.cause = cause, .parameters = parameters, .journaled = map});
 }
 
 /// The journal tells what changed, so the map with which the run began must be the newest version.
@@ -187,6 +195,7 @@ void MapStore::start_journal() {
   if (!is_in_place) commit(run->journaled, {"begin of: " + run->cause.what, run->cause.parameters});
   note_outside_change();
   run->newest = history().versions().back();
+  run->most_journal_bytes = most_journal_bytes(run->journaled);
   run->is_begun = true;
   run_ = std::move(run);
 }
@@ -202,7 +211,12 @@ bool MapStore::acknowledge(const std::function<Octree()>& map, std::size_t scans
   const auto now = Run::Clock::now();
   if (!run_->is_begun) start_journal();
   Octree reached = map();
-  history_->append_to_journal(run_->newest, run_->journaled, reached, scans, run_->cause);
+  run_->journal_bytes +=
+      history_->append_to_journal(run_->newest, run_->journaled, reached, scans, run_->cause);
+  if (run_->journal_bytes > run_->most_journal_bytes) {
+    run_->journal_bytes = history_->condense_journal(run_->newest, reached, scans, run_->cause);
+    run_->most_journal_bytes = most_journal_bytes(reached) + 2 * run_->journal_bytes;
+  }
   run_->journaled = std::move(reached);
   run_->scans = scans;
   run_->time = now;

@@ -64,7 +64,8 @@ std::string seal_of(const StoredVersion& v) {
 VersionTable::VersionTable(const std::filesystem::path& path, Database::Access access)
     : database_(path, access, "history of a map", kAdvice) {
   if (access == Database::Access::kWrite) {
-    database_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;");
+    database_.execute(
+        "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA journal_size_limit = 4194304;");
     Transaction transaction(database_);
     database_.execute(kTables);
     if (read_format() == 0) database_.execute("PRAGMA user_version = " + std::to_string(kFormat));
@@ -322,23 +323,48 @@ void VersionTable::set_in_place(int number) {
       .run();
 }
 
-void VersionTable::append_to_journal(const StoredVersion& newest, const Octree& before, const Octree& after,
-                                     std::size_t scans, const MapCause& cause) {
+std::size_t VersionTable::append_to_journal(const StoredVersion& newest, const Octree& before,
+                                            const Octree& after, std::size_t scans, const MapCause& cause) {
   const std::vector<LeafChange> changes = changes_between(before, after);
   Transaction transaction(database_);
-  Statement last(database_, "SELECT COALESCE(MAX(part), 0) FROM journal");
-  last.step();
-  std::int64_t part = last.integer(0);
+  const std::size_t bytes = insert_into_journal(newest, changes, scans, cause);
+  transaction.commit();
+  return bytes;
+}
+
+std::size_t VersionTable::condense_journal(const StoredVersion& newest, const Octree& after,
+                                           std::size_t scans, const MapCause& cause) {
+  const std::vector<LeafChange> changes = changes_between(checkout(newest.number), after);
+  Transaction transaction(database_);
+  clear_journal();
+  const std::size_t bytes = insert_into_journal(newest, changes, scans, cause);
+  transaction.commit();
+  return bytes;
+}
+
+std::size_t VersionTable::insert_into_journal(const StoredVersion& newest,
+                                              const std::vector<LeafChange>& changes, std::size_t scans,
+                                              const MapCause& cause) {
+  std::int64_t part = last_part_of_journal();
   if (part == 0) {
     database_.execute("DELETE FROM run");
     Statement(database_, "INSERT INTO run VALUES(?,?)").bind(cause.what).bind(cause.parameters).run();
   }
   Statement insert(database_, "INSERT INTO journal VALUES(?,?,?)");
+  std::size_t bytes = 0;
   for_each_stretch(changes, [&](std::span<const LeafChange> stretch) {
     const std::string data = pack(stretch, owner_of("journal", newest, ++part));
+    bytes += data.size();
     insert.bind(part).bind(static_cast<std::int64_t>(scans)).bind_blob(data).run();
   });
-  transaction.commit();
+  return bytes;
+}
+
+/// On its own, so that no statement is open when a transaction ends: SQLite would not empty its log then.
+std::int64_t VersionTable::last_part_of_journal() {
+  Statement last(database_, "SELECT COALESCE(MAX(part), 0) FROM journal");
+  last.step();
+  return last.integer(0);
 }
 
 void VersionTable::clear_journal() { database_.execute("DELETE FROM journal; DELETE FROM run;"); }

@@ -65,14 +65,20 @@ class VersionTable {
   /// flag a version. REQUIRES: the newest is kept.
   void keep_only(const std::vector<bool>& is_kept);
   void remove(int number);  ///< REQUIRES: a transaction
-  /// Adds what a run has changed further since `newest`; lasts when it returns.
-  void append_to_journal(const StoredVersion& newest, const Octree& before, const Octree& after,
-                         std::size_t scans, const MapCause& cause);
+  /// Adds what a run has changed further since `newest`; lasts when it returns the bytes that this took.
+  std::size_t append_to_journal(const StoredVersion& newest, const Octree& before, const Octree& after,
+                                std::size_t scans, const MapCause& cause);
+  /// Makes a journal that tells `after`, too, but each leaf once; returns its bytes.
+  std::size_t condense_journal(const StoredVersion& newest, const Octree& after, std::size_t scans,
+                               const MapCause& cause);
   void clear_journal();
   void tag(const std::string& name, int number);
 
  private:
   void insert(StoredVersion& version, const std::vector<LeafChange>& changes);
+  std::size_t insert_into_journal(const StoredVersion& newest, const std::vector<LeafChange>& changes,
+                                  std::size_t scans, const MapCause& cause);
+  std::int64_t last_part_of_journal();
 
   std::int64_t read_format();
   void read_frames(std::vector<StoredVersion>& versions);
