@@ -41,7 +41,9 @@ void finish(const BuildOptions& options, MapStore& store, const Octree& octree, 
 }
 
 void build_from_poses(const BuildOptions& options, MapStore& store, const Parameters& parameters) {
-  PosedScans scans(options.run.scans, options.run.poses, parameters.lidar.scan_period, options.run.reading);
+  ScanOptions reading = options.run.reading;
+  reading.is_imu_wanted = false;
+  PosedScans scans(options.run.scans, options.run.poses, parameters.lidar.scan_period, reading);
   const VoxelGrid grid = VoxelGrid::around(scans.first_pose().translation, options.leaf);
   MapMaintainer maintainer(Octree(grid, options.frame), parameters, MapMode::kMapping);
   PoseCheck check(Octree(grid), parameters.lidar, scans.poses());
@@ -101,7 +103,7 @@ void add_build(CLI::App& app) {
                    "Poses found by LiDAR odometry, to write: TUM, or .kitti, or .mcap")
       ->excludes(poses)
       ->type_name("FILE");
-  add_odometry_options(*verb, options->odometry);
+  add_odometry_options(*verb, options->odometry, options->run.reading);
   verb->add_option("-o,--output", options->map, "Map to write")->required()->type_name("MAP.evm");
   add_leaf_option(*verb, options->leaf);
   add_frame_options(*verb, options->frame);

@@ -135,7 +135,7 @@ void add_localize(CLI::App& app) {
       ->default_str(fmt::format("{}", RelocationParameters{}.reach));
   verb->add_option("--states", options->states, "What was thought of each scan, and why, to write (CSV)")
       ->type_name("FILE.csv");
-  add_odometry_options(*verb, options->scans);
+  add_odometry_options(*verb, options->scans, options->scans.reading);
   add_mount_options(*verb, options->scans.reading);
   verb->add_flag("--maintain", options->maintain, "Update the map with scans whose pose is believed");
   verb->add_option("--map-out", options->map_out,

@@ -71,18 +71,28 @@ std::string_view advice(RejectReason reason) {
 
 }  // namespace
 
-void add_odometry_options(CLI::App& verb, LocalizedScans& options) {
+void add_odometry_options(CLI::App& verb, LocalizedScans& options, ScanOptions& reading) {
   verb.add_option(
           "--odometry", options.odometry,
           "Poses of the sensor in a frame that may drift: a file (TUM or KITTI), or a topic or a frame "
           "of the bag, or none")
       ->type_name("FILE|TOPIC|FRAME")
       ->default_str("the frame odom of a bag, if there is one");
+  reading.is_imu_wanted = true;
+  const auto choose_imu = [&reading](const std::string& topic) {
+    reading.is_imu_wanted = topic != "none";
+    reading.imu = topic;
+  };
+  verb.add_option_function<std::string>(
+          "--imu", choose_imu,
+          "Topic of a bag's gyroscope (sensor_msgs/Imu), of use without odometry, or none")
+      ->type_name("TOPIC")
+      ->default_str("the only one");
   verb.add_option("--rate", options.rate, "Scans per second")
       ->check(CLI::Range(0.1, 1000.0))
       ->type_name("HZ")
       ->default_str("10");
-  verb.add_option("--base-frame", options.reading.base,
+  verb.add_option("--base-frame", reading.base,
                   "Write poses of this frame, which /tf_static or --extrinsic connects with the sensor")
       ->type_name("FRAME")
       ->default_str("the sensor's");
@@ -154,7 +164,9 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
     }
     time = now;
     result.with_odometry += T_odom_sensor ? 1 : 0;
-    record(result, take([&] { return maintainer.process(*scan, time, T_odom_sensor); }));
+    const std::optional<Eigen::Matrix3d> R_inertial_sensor = scans->rotation_at(time);
+    result.with_gyroscope += R_inertial_sensor ? 1 : 0;
+    record(result, take([&] { return maintainer.process(*scan, time, T_odom_sensor, R_inertial_sensor); }));
     look(result);
     return true;
   });
@@ -269,6 +281,7 @@ Json to_json(const LocalizedRun& run) {
                {"rejections", rejections},
                {"rolled_back", run.rolled_back()},
                {"with_odometry", run.with_odometry},
+               {"with_gyroscope", run.with_gyroscope},
                {"way", {{"length", all}, {"tracked", believed}}}};
   json.update(to_json(run.run));
   return json;
@@ -296,6 +309,7 @@ std::string to_text(const LocalizedRun& run) {
         fmt::format("         {} tracked but not written: a direction of their pose was known too badly\n",
                     run.count(TrackingState::kTracking) - written);
   }
+  if (run.with_gyroscope > 0) text += fmt::format("gyroscope for {} scans\n", run.with_gyroscope);
   if (run.with_odometry > 0) text += fmt::format("odometry for {} scans\n", run.with_odometry);
   if (const std::size_t undone = run.rolled_back(); undone > 0)
     text += fmt::format("         the changes of {} scans were rolled back\n", undone);

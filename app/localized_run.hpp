@@ -30,8 +30,8 @@ struct LocalizedScans {
   int threads = 0;             ///< 0: one per core
   std::vector<StampedPose> before;  ///< poses of an earlier run; scans up to the last are left out
 };
-/// Adds --odometry, --rate and --base-frame.
-void add_odometry_options(CLI::App& verb, LocalizedScans& options);
+/// Adds --odometry, --imu, --rate and --base-frame, of which `reading` is told what is to be read.
+void add_odometry_options(CLI::App& verb, LocalizedScans& options, ScanOptions& reading);
 
 /// What became of them.
 struct LocalizedRun {
@@ -41,6 +41,7 @@ struct LocalizedRun {
   OdometryFrames frames;                ///< of these poses
   std::vector<ScanResult> scans;        ///< all
   std::size_t with_odometry = 0;        ///< scans whose pose the odometry told
+  std::size_t with_gyroscope = 0;       ///< scans whose rotation a gyroscope told
 
   bool is_lost() const { return !scans.empty() && scans.back().state == TrackingState::kLost; }
   /// Less than a third of the scans: the trajectory and a map made along it are worth nothing.

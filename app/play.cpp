@@ -85,6 +85,10 @@ class Stage {
     for (StampedTransform& transform : transforms) transform.time += shift_;
     publisher_.send_transforms(transforms, is_static);
   }
+  void send_turn_rate(TurnRate rate) {
+    rate.time += shift_;
+    publisher_.send_turn_rate(rate);
+  }
   void send_odometry(StampedTransform pose) {
     pose.time += shift_;
     publisher_.send_odometry(pose);
@@ -180,6 +184,10 @@ void play_bag(const PlayOptions& options, Stage& stage) {
     } else if (kind_of(topic.type) == MessageKind::kTransforms) {
       stage.reach(message->time);
       stage.send_transforms(read_transforms(topic, message->bytes), topic.name.ends_with("tf_static"));
+    } else if (kind_of(topic.type) == MessageKind::kImu) {
+      stage.reach(message->time);
+      if (const std::optional<TurnRate> rate = read_turn_rate(topic, message->bytes))
+        stage.send_turn_rate(*rate);
     } else if (topic.type == "nav_msgs/Odometry") {
       stage.reach(message->time);
       for (const StampedTransform& pose : read_transforms(topic, message->bytes)) stage.send_odometry(pose);

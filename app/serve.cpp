@@ -98,6 +98,10 @@ void add_serve(CLI::App& app) {
                    "Topic of the odometry, where /tf does not tell it")
       ->type_name("TOPIC")
       ->capture_default_str();
+  verb->add_option("--imu", options->server.imu,
+                   "Topic of a gyroscope (sensor_msgs/Imu), of use without odometry")
+      ->type_name("TOPIC")
+      ->capture_default_str();
   verb->add_option("--odom-frame", options->server.odom_frame, "Frame of the odometry in /tf")
       ->type_name("FRAME")
       ->capture_default_str();

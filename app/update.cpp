@@ -9,6 +9,7 @@
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
+#include <evermap/files/file_error.hpp>
 #include <evermap/history/map_store.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
 
@@ -23,8 +24,22 @@ struct UpdateOptions {
   std::filesystem::path report;  ///< folder; empty when not asked for
   JournalParameters journal{.scans = 0};
   double patience = 0;  ///< [s]
+  bool resume = false;
   bool as_json = false;
 };
+
+/// How many of these scans the map has, of an update that was stopped or killed.
+std::size_t scans_before(const UpdateOptions& options, const MapCause& cause) {
+  const char* advice = "; leave --resume out to begin with the first scan";
+  if (!MapHistory::exists_for(options.output))
+    throw FileError(options.output, std::string("has no history that an update could go on with") + advice);
+  const MapCause last = MapHistory(options.output).versions().back().cause;
+  if (last.scans == 0 || !last.what.starts_with(cause.what + ","))
+    throw FileError(options.output, "was not left by an update with these scans that was stopped, but by: " +
+                                        last.what + advice);
+  spdlog::warn("{}: goes on after {} scans", options.output.string(), last.scans);
+  return last.scans;
+}
 
 void prepare_outputs(const UpdateOptions& options) {
   check_writable(options.output);
@@ -44,21 +59,26 @@ void run_update(const UpdateOptions& options) {
   const Parameters parameters = parameters_of(options.parameters);
   prepare_outputs(options);
   MapStore store(options.output, options.patience);
-  PosedScans scans(options.run.scans, options.run.poses, parameters.lidar.scan_period, options.run.reading);
-  MapMaintainer maintainer(load_start(options.map, store), parameters);
+  MapCause cause = cause_of("update", options.run.scans, parameters);
+  ScanOptions reading = options.run.reading;
+  if (options.resume) reading.selection.skip = scans_before(options, cause);
+  PosedScans scans(options.run.scans, options.run.poses, parameters.lidar.scan_period, reading);
+  MapMaintainer maintainer(load_start(options.resume ? options.output : options.map, store), parameters);
   const Octree before = maintainer.map();
   spdlog::info("{}: {} leaves", options.map.string(), before.leaf_count());
   PoseCheck check(before, parameters.lidar, scans.poses());
-  MapCause cause = cause_of("update", options.run.scans, parameters);
   store.begin(before, cause, options.journal);
   const LookAtScan look_at_poses = check_poses(check, options.run);
+  std::size_t taken = reading.selection.skip;
   const Run run =
       run_over(scans, options.run.threads, maintainer, [&](const PosedScan& posed, const ScanResult& result) {
         look_at_poses(posed, result);
+        taken = posed.index + 1;
         store.acknowledge([&] { return maintainer.map(); }, posed.index + 1);
       });
   const Octree octree = maintainer.map();
   cause.what += fmt::format(", {} scans", run.scans_done);
+  if (run.stopped_by != 0) cause.scans = taken;
   put_in_place(store, octree, cause);
   const ChangeReport report{{options.output, before, octree}, run};
   if (!options.report.empty()) write_report(options.report, report, before, octree);
@@ -76,6 +96,8 @@ void add_update(CLI::App& app) {
   verb->add_option("-o,--output", options->output, "Map to write; may be the one to start from")
       ->required()
       ->type_name("OUT.evm");
+  verb->add_flag("--resume", options->resume,
+                 "Go on with an update that was stopped or killed, after the last scan that OUT.evm has");
   add_mode_option(*verb, options->parameters);
   add_range_options(*verb, options->parameters);
   add_config_option(*verb, options->parameters);

@@ -34,6 +34,8 @@ py::array_t<double> doubles_of(const py::handle& value, const char* name) {
   throw py::value_error(std::string(name) + " has the shape " + shape_of(array) + ", not " + expected);
 }
 
+constexpr double kRotationTolerance = 1e-3;
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> points_of(const py::handle& value, const char* name) {
@@ -44,19 +46,29 @@ std::vector<Eigen::Vector3d> points_of(const py::handle& value, const char* name
 }
 
 Pose pose_of(const py::handle& value, const char* name) {
-  constexpr double kTolerance = 1e-3;
   const py::array_t<double> array = doubles_of(value, name);
   if (array.ndim() != 2 || array.shape(0) != 4 || array.shape(1) != 4) fail(name, array, "(4, 4)");
   const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> matrix(array.data());
   const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
   const bool is_affine = matrix.row(3) == Eigen::RowVector4d(0, 0, 0, 1);
-  if (!matrix.allFinite() || !is_affine || !is_rotation(rotation, kTolerance))
+  if (!matrix.allFinite() || !is_affine || !is_rotation(rotation, kRotationTolerance))
     throw py::value_error(std::string(name) + " is no rigid motion [R t; 0 0 0 1]");
   return {nearest_rotation(rotation), matrix.topRightCorner<3, 1>()};
 }
 
 std::optional<Pose> optional_pose_of(const py::object& value, const char* name) {
   return value.is_none() ? std::nullopt : std::optional(pose_of(value, name));
+}
+
+std::optional<Eigen::Matrix3d> optional_rotation_of(const py::object& value, const char* name) {
+  if (value.is_none()) return std::nullopt;
+  const py::array_t<double> array = doubles_of(value, name);
+  if (array.ndim() != 2 || array.shape(0) != 3 || array.shape(1) != 3) fail(name, array, "(3, 3)");
+  const Eigen::Matrix3d rotation =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(array.data());
+  if (!rotation.allFinite() || !is_rotation(rotation, kRotationTolerance))
+    throw py::value_error(std::string(name) + " is no rotation");
+  return nearest_rotation(rotation);
 }
 
 std::vector<float> floats_of(const py::handle& value, std::size_t count, const char* name) {

@@ -27,6 +27,8 @@ std::vector<Eigen::Vector3d> points_of(const py::handle& value, const char* name
 /// A rigid motion as a 4 x 4 matrix.
 Pose pose_of(const py::handle& value, const char* name);
 std::optional<Pose> optional_pose_of(const py::object& value, const char* name);
+/// A rotation as a 3 x 3 matrix.
+std::optional<Eigen::Matrix3d> optional_rotation_of(const py::object& value, const char* name);
 /// A Scan, or an array of points, of which one is made in `made`.
 const Scan& scan_of(const py::handle& value, Scan& made);
 /// The points that can be used, with their times if there are any; the others are counted.

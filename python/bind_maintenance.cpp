@@ -33,12 +33,14 @@ class Maintainer {
                     optional_pose_of(initial_pose, "initial_pose").value_or(Pose{})),
         threads_(threads) {}
 
-  ScanResult process(const py::object& scan, double time, const py::object& odometry) {
+  ScanResult process(const py::object& scan, double time, const py::object& odometry,
+                     const py::object& orientation) {
     Scan made;
     const Scan& given = scan_of(scan, made);
     const std::optional<Pose> T_odom_sensor = optional_pose_of(odometry, "odometry");
+    const std::optional<Eigen::Matrix3d> R_inertial_sensor = optional_rotation_of(orientation, "orientation");
     ScanResult result;
-    run_on(threads_, [&] { result = maintainer_.process(given, time, T_odom_sensor); });
+    run_on(threads_, [&] { result = maintainer_.process(given, time, T_odom_sensor, R_inertial_sensor); });
     return result;
   }
 
@@ -129,8 +131,11 @@ void bind_maintenance(py::module_& module) {
           "mapping (nothing is contradicted) or localization (nothing is written). threads: 0 is one per "
           "core.")
       .def("process", &Maintainer::process, "scan"_a, "time"_a, "odometry"_a = py::none(),
+           "orientation"_a = py::none(),
            "Takes a scan whose pose is to be found. time [s]: when it ended. odometry (4, 4): the sensor's "
-           "pose then in a frame that may drift; given for each scan or for none.")
+           "pose then in a frame that may drift; orientation (3, 3): its rotation alone, from a gyroscope; "
+           "each "
+           "given for each scan or for none.")
       .def("update", &Maintainer::update, "scan"_a, "pose"_a, "begin_pose"_a = py::none(),
            "Takes a scan whose pose (4, 4) is known and trusted. begin_pose: when the scan began; with it, a "
            "scan with point_times is deskewed.")

@@ -129,3 +129,11 @@ def test_the_stub_names_all_there_is():
 def test_all_has_docstrings():
     for name in evermap.__all__:
         assert name == "__version__" or getattr(evermap, name).__doc__, name
+
+
+def test_an_orientation_is_a_rotation(yard):
+    maintainer = evermap.MapMaintainer(evermap.Map.from_cloud(yard.survey(0.1), 0.4), initial_pose=yard.pose(0))
+    for wrong in [np.eye(4), 2 * np.eye(3), np.full((3, 3), np.nan)]:
+        with pytest.raises(ValueError, match="orientation"):
+            maintainer.process(yard.scan(0), yard.time(0), orientation=wrong)
+    assert maintainer.process(yard.scan(0), yard.time(0), orientation=np.eye(3)).inlier_fraction > 0.5

@@ -60,6 +60,30 @@ TEST_F(InterruptionTest, BuildSavesWhatItHasAndSaysSo) {
   expect_done({"info", name("map.evm")});
 }
 
+TEST_F(InterruptionTest, AnUpdateThatWasStoppedGoesOn) {
+  make_drive("before", 1, true);
+  make_drive("now", 200, false);
+  for (const int signal : {SIGTERM, SIGKILL}) {
+    std::filesystem::remove(path("out.evm.history"));
+    std::filesystem::remove(path("out.evm"));
+    expect_done(build("before", "map.evm"));
+    const std::vector<std::string> options = {"--json", "--sync", "1"};
+    interrupt(update("map.evm", "now", "out.evm", options), signal);
+    std::vector<std::string> go_on = update("map.evm", "now", "out.evm", options);
+    go_on.emplace_back("--resume");
+    const Result result = run(go_on);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const std::size_t words = result.err.find("goes on after ");
+    ASSERT_NE(words, std::string::npos) << result.err;
+    const int before = std::stoi(result.err.substr(words + 14));
+    EXPECT_GE(before, 1);
+    EXPECT_EQ(nlohmann::json::parse(result.out)["scans"]["done"], 200 - before);
+    const Result again = run(go_on);
+    EXPECT_EQ(again.exit_code, 1);
+    EXPECT_NE(again.err.find("was not left by an update"), std::string::npos) << again.err;
+  }
+}
+
 TEST_F(InterruptionTest, WhateverIsKilledTheVersionBeforeComesBack) {
   make_drive("before", 1, true);
   make_drive("now", 3, false);

@@ -114,6 +114,15 @@ std::string odometry_message(Wire wire, double time, const std::string& frame, c
   return message.bytes();
 }
 
+std::string imu_message(Wire wire, double time, const std::string& frame, const Eigen::Vector3d& rate) {
+  WireWriter message(wire);
+  message.header(time, frame);
+  for (int i = 0; i < 4 + 9; ++i) message.number(0.0);
+  for (const double axis : rate) message.number(axis);
+  for (int i = 0; i < 9 + 3 + 9; ++i) message.number(0.0);
+  return message.bytes();
+}
+
 std::string compressed(const std::string& bytes, const std::string& compression) {
   if (compression == "none") return bytes;
   std::string output(2 * bytes.size() + 1000, '\0');

@@ -25,6 +25,9 @@ std::string transform_message(Wire wire, double time, const std::string& parent,
 std::string odometry_message(Wire wire, double time, const std::string& frame, const std::string& child,
                              const Pose& T_frame_child);
 
+/// An Imu of which only the rates [rad/s] are told.
+std::string imu_message(Wire wire, double time, const std::string& frame, const Eigen::Vector3d& rate);
+
 struct WrittenMessage {
   std::string topic;
   std::string type;  ///< package/Type

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -191,6 +192,61 @@ TEST_F(ScanBagTest, PosesComeFromATopicAsFromAFrame) {
     EXPECT_NEAR((T_odom_sensor->translation - Eigen::Vector3d(1, 0, 1)).norm(), 0, 1e-5) << reference;
     EXPECT_TRUE(scans->remarks().empty());
   }
+}
+
+/// The drive with a gyroscope, which lies on its side on the sensor and turns about its own x axis, upwards.
+std::vector<WrittenMessage> drive_with_gyroscope(Wire wire, double rate, double clock = 0,
+                                                 const std::string& frame = "imu") {
+  std::vector<WrittenMessage> messages = drive(wire);
+  const Eigen::Matrix3d R_lidar_imu =
+      Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  messages.push_back({"/tf_static", "tf2_msgs/TFMessage", kStart,
+                      transform_message(wire, kStart, "lidar", "imu", {R_lidar_imu, {0, 0, 0}})});
+  for (int i = 0; i < 110; ++i) {
+    const double time = kStart + 0.01 * i;
+    messages.push_back(
+        {"/imu", "sensor_msgs/Imu", time, imu_message(wire, time + clock, frame, {rate, 0, 0})});
+  }
+  std::stable_sort(messages.begin(), messages.end(),
+                   [](const auto& a, const auto& b) { return a.time < b.time; });
+  return messages;
+}
+
+TEST_F(ScanBagTest, AGyroscopeTellsTurnsInTheSensorsAxes) {
+  constexpr double kRate = 0.5;  // [rad/s]
+  for (const Wire wire : {Wire::kRos1, Wire::kCdr}) {
+    const std::vector<WrittenMessage> messages = drive_with_gyroscope(wire, kRate);
+    const auto scans = open_scans(wire == Wire::kRos1 ? make("gyro.bag", ros1_bag(messages))
+                                                      : make("gyro.mcap", mcap_bag(messages, wire)),
+                                  {.is_imu_wanted = true});
+    std::optional<Eigen::Matrix3d> last;
+    std::size_t count = 0;
+    while (const std::optional<Scan> scan = scans->next()) {
+      const std::optional<Eigen::Matrix3d> now = scans->rotation_at(*scan->time);
+      ASSERT_TRUE(now);
+      if (last) {
+        const Eigen::AngleAxisd turn(last->transpose() * *now);
+        EXPECT_NEAR(turn.angle(), 0.1 * kRate, 1e-4);
+        EXPECT_NEAR(turn.axis().z(), 1, 1e-6);
+      }
+      last = now;
+      ++count;
+    }
+    EXPECT_EQ(count, kClouds);
+    EXPECT_TRUE(scans->remarks().empty());
+  }
+}
+
+TEST_F(ScanBagTest, AGyroscopeThatCannotBeUsedIsNamed) {
+  const auto remark_on = [&](const std::vector<WrittenMessage>& messages) {
+    const auto scans = open_scans(make_bag_of(messages), {.is_imu_wanted = true});
+    while (const std::optional<Scan> scan = scans->next()) EXPECT_FALSE(scans->rotation_at(*scan->time));
+    return scans->remarks().empty() ? std::string() : scans->remarks().front();
+  };
+  EXPECT_NE(remark_on(drive_with_gyroscope(Wire::kRos1, 1, -1e6)).find("clock"), std::string::npos);
+  EXPECT_NE(remark_on(drive_with_gyroscope(Wire::kRos1, 1, 0, "loose")).find("how the gyroscope (loose)"),
+            std::string::npos);
+  EXPECT_THROW(open_scans(make_bag(), {.is_imu_wanted = true, .imu = "/imu"}), FileError);
 }
 
 TEST_F(ScanBagTest, WithoutAPlaceOfTheSensorItIsSaidThatPosesWereTakenForItsOwn) {

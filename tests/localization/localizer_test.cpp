@@ -296,8 +296,8 @@ TEST(Localizer, RefusesScansThatAreNotLater) {
 TEST(Localizer, AScanThatItsCallerRejectsDidNotPass) {
   Localizer localizer(drive().truth(0), {}, {});
   for (std::size_t i = 0; i < 5; ++i) {
-    Localization at =
-        localizer.propose(survey(), drive().scan(i), kPeriod * static_cast<double>(i), drive().truth(i));
+    Localization at = localizer.propose(survey(), drive().scan(i), kPeriod * static_cast<double>(i),
+                                        {drive().truth(i), {}});
     EXPECT_EQ(at.is_writable(), i > 0);  // not before the motion is known
     if (at.is_writable()) at.reject_reason = RejectReason::kContradictsMap;
     localizer.conclude(at);

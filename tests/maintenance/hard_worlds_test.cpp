@@ -11,6 +11,7 @@
 #include <evermap/geometry/detail/degree.hpp>
 #include <evermap/localization/detail/perturbation.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
+#include <evermap/maintenance/survey.hpp>
 
 namespace evermap {
 namespace {
@@ -51,14 +52,16 @@ struct Outcome {
 
 Outcome run(MapMaintainer& maintainer, const Scene& scene, const LidarModel& lidar, std::size_t scans,
             const std::function<Pose(double time)>& truth, const Pose& T_truth_map = {},
-            bool has_odometry = false) {
+            bool has_odometry = false,
+            const std::function<std::optional<Eigen::Matrix3d>(double time)>& gyroscope = {}) {
   const Simulator simulator(scene);
   std::vector<ScanResult> all;
   for (std::size_t i = 0; i < scans; ++i) {
     const double time = kPeriod * static_cast<double>(i + 1);
     const Pose T_true = truth(time);
     append(all, maintainer.process(simulator.scan(T_true, lidar, i), time,
-                                   has_odometry ? std::optional(T_true) : std::nullopt));
+                                   has_odometry ? std::optional(T_true) : std::nullopt,
+                                   gyroscope ? gyroscope(time) : std::nullopt));
   }
   Outcome result;
   result.last = maintainer.state();
@@ -185,6 +188,35 @@ TEST(HardWorlds, AMapOfAnotherPlaceIsFoundOut) {
   EXPECT_EQ(elsewhere.believed, 0U);
   EXPECT_EQ(elsewhere.written, 0U);
   EXPECT_EQ(elsewhere.last, TrackingState::kLost);
+}
+
+/// Stands for a second, then turns to and fro by a third of a turn in each scan.
+double restless_yaw(double time) {
+  const int scan = static_cast<int>(std::lround(time / kPeriod)) - 10;
+  return scan > 0 && scan % 4 < 2 ? 2 * M_PI / 3 * (scan % 2 == 0 ? 1 : 2) : 0;
+}
+
+TEST(Gyroscope, TellsTurnsThatNothingElseWould) {
+  const Scene scene = room(6, 4, {0, 0, 0});
+  LidarModel lidar;
+  lidar.channels = 16;
+  lidar.columns = 512;
+  constexpr std::size_t kScans = 40;
+  const auto truth = [](double time) { return at(0.4, 0.3, 1, restless_yaw(time)); };
+  Octree survey(VoxelGrid{0.2});
+  add_survey(survey, Simulator(scene).scan(truth(0), LidarModel{}, 99), truth(0));
+  const auto drifting = [&](double time) {
+    constexpr double kBias = kDegree;  // [rad/s]
+    return std::optional<Eigen::Matrix3d>(at(0, 0, 0, kBias * time).rotation * truth(time).rotation);
+  };
+  MapMaintainer with(survey, {}, MapMode::kLocalization, truth(0));
+  const Outcome told = run(with, scene, lidar, kScans, truth, {}, false, drifting);
+  EXPECT_EQ(told.believed, kScans);
+  EXPECT_LT(told.worst, 0.02);
+  MapMaintainer without(survey, {}, MapMode::kLocalization, truth(0));
+  const Outcome guessed = run(without, scene, lidar, kScans, truth);
+  EXPECT_LT(guessed.believed, kScans * 3 / 4);
+  EXPECT_LT(guessed.worst, 0.02);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ struct Type {
   std::string_view name;
   MessageKind kind;
 };
-constexpr std::array<Type, 10> kTypes = {{
+constexpr std::array<Type, 11> kTypes = {{
     {"sensor_msgs/PointCloud2", MessageKind::kCloud},
     {"livox_ros_driver/CustomMsg", MessageKind::kLivoxCloud},
     {"livox_ros_driver2/CustomMsg", MessageKind::kLivoxCloud},
@@ -27,6 +27,7 @@ constexpr std::array<Type, 10> kTypes = {{
     {"geometry_msgs/PoseStamped", MessageKind::kPoses},
     {"geometry_msgs/PoseWithCovarianceStamped", MessageKind::kPoses},
     {"geometry_msgs/TransformStamped", MessageKind::kPoses},
+    {"sensor_msgs/Imu", MessageKind::kImu},
 }};
 
 struct Header {
@@ -200,6 +201,17 @@ CloudHead read_cloud_head(const BagTopic& topic, std::string_view bytes, const s
   }
   if (!message.is_good()) fail(bag, topic, "is damaged");
   return head;
+}
+
+std::optional<TurnRate> read_turn_rate(const BagTopic& topic, std::string_view bytes) {
+  constexpr std::size_t kQuaternion = 4;
+  constexpr std::size_t kCovariance = 9;
+  WireReader message(bytes, topic.wire);
+  Header header = read_header(message);
+  message.skip(kQuaternion + kCovariance, sizeof(double));
+  TurnRate rate{header.time, std::move(header.frame), message.vector()};
+  if (!message.is_good() || !rate.rate.allFinite()) return std::nullopt;
+  return rate;
 }
 
 std::vector<StampedTransform> read_transforms(const BagTopic& topic, std::string_view bytes) {

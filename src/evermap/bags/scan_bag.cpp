@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <evermap/bags/detail/scan_bag.hpp>
@@ -22,6 +23,22 @@ std::optional<std::size_t> find_pose_topic(const BagReader& bag, const std::stri
     if (bag.topics()[i].name == name && kind_of(bag.topics()[i].type) == MessageKind::kPoses) return i;
   }
   return std::nullopt;
+}
+
+/// The topic of this name, or the only one when it is empty.
+std::optional<std::size_t> find_imu_topic(const BagReader& bag, const std::string& wanted) {
+  std::vector<std::string> names;
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < bag.topics().size(); ++i) {
+    const BagTopic& topic = bag.topics()[i];
+    if (kind_of(topic.type) != MessageKind::kImu) continue;
+    if (topic.name == wanted) return i;
+    names.push_back(topic.name);
+    found = i;
+  }
+  if (!wanted.empty())
+    throw FileError(bag.path(), "has no sensor_msgs/Imu on " + wanted + "; it has " + list_of(names));
+  return names.size() == 1 ? found : std::nullopt;
 }
 
 bool has_transforms(const BagReader& bag) {
@@ -58,7 +75,8 @@ ScanBag::ScanBag(const std::filesystem::path& path, const ScanOptions& options)
       topic_(find_cloud_topic(*bag_, options.topic)),
       base_(options.base),
       reference_topic_(find_pose_topic(*bag_, options.reference)),
-      mount_(options.mount) {
+      mount_(options.mount),
+      imu_topic_(options.is_imu_wanted ? find_imu_topic(*bag_, options.imu) : std::nullopt) {
   const bool is_wanted = options.is_reference_needed || has_transforms(*bag_);
   if (!reference_topic_ && is_wanted) reference_frame_ = options.reference;
   if (!reference_frame_.empty() && !has_transforms(*bag_)) {
@@ -72,8 +90,8 @@ ScanBag::ScanBag(const std::filesystem::path& path, const ScanOptions& options)
   std::vector<bool> selected(bag_->topics().size());
   for (std::size_t i = 0; i < selected.size(); ++i) {
     const bool is_transform = kind_of(bag_->topics()[i].type) == MessageKind::kTransforms;
-    selected[i] = i == topic_ || i == reference_topic_ ||
-                  (is_transform && !(options.reference.empty() && base_.empty()));
+    selected[i] = i == topic_ || i == reference_topic_ || i == imu_topic_ ||
+                  (is_transform && !(options.reference.empty() && base_.empty() && !imu_topic_));
   }
   bag_->select(std::move(selected));
 }
@@ -108,6 +126,10 @@ bool ScanBag::read_message() {
     waiting_.push_back({read_cloud_message(topic, message->bytes, bag_->path()), message->time});
     return true;
   }
+  if (message->topic == imu_topic_) {
+    if (const std::optional<TurnRate> rate = read_turn_rate(topic, message->bytes)) gyroscope_.add(*rate);
+    return true;
+  }
   for (const StampedTransform& transform : read_transforms(topic, message->bytes)) {
     if (message->topic != reference_topic_) {
       transforms_.add(transform, topic.name.ends_with("tf_static"));
@@ -119,15 +141,21 @@ bool ScanBag::read_message() {
   return true;
 }
 
-/// Whether its poses are known, or nothing that comes would tell them.
+/// Whether its pose and rotation are known, or nothing that comes would tell them.
 bool ScanBag::is_due(const Cloud& cloud) const {
   constexpr double kPatience = 2;  // [s] that poses may be recorded later than the cloud
-  if (!reference_topic_ && reference_frame_.empty()) return true;
   if (recorded_ > cloud.recorded + kPatience) return true;
-  return pose_of(cloud.message, *cloud.message.scan.time).has_value();
+  const double time = *cloud.message.scan.time;
+  const bool has_pose =
+      (!reference_topic_ && reference_frame_.empty()) || pose_of(cloud.message, time).has_value();
+  return has_pose && (!imu_topic_ || gyroscope_.reaches(time));
 }
 
 std::optional<Pose> ScanBag::pose_at(double time) const { return pose_of(now_, time); }
+
+std::optional<Eigen::Matrix3d> ScanBag::rotation_at(double time) const {
+  return gyroscope_.rotation_of(now_.frame, transforms_, time);
+}
 
 std::optional<Pose> ScanBag::base_pose() const {
   return base_.empty() ? std::nullopt : transforms_.lookup(now_.frame, base_, end_);
@@ -147,6 +175,15 @@ std::vector<std::string> ScanBag::remarks() const {
   if (!bag_->damage().empty()) {
     remarks.push_back(bag_->damage() + "; what comes before, " + std::to_string(count_) + " of " +
                       std::to_string(size()) + " clouds, was read");
+  }
+  constexpr double kSameClock = 60;  // [s]
+  if (!gyroscope_.empty() && std::abs(gyroscope_.last_time() - end_) > kSameClock) {
+    remarks.push_back("the gyroscope's clock (" + std::to_string(gyroscope_.last_time()) +
+                      " s) is not that of the clouds (" + std::to_string(end_) + " s); it was not used");
+  } else if (!gyroscope_.empty() && gyroscope_.frame() != now_.frame &&
+             !transforms_.connects(gyroscope_.frame(), now_.frame)) {
+    remarks.push_back("/tf does not say how the gyroscope (" + gyroscope_.frame() +
+                      ") is mounted on the sensor (" + now_.frame + "); it was not used");
   }
   if (!mount_ && !child_.empty() && child_ != now_.frame && !transforms_.connects(child_, now_.frame)) {
     remarks.push_back("/tf does not say where the sensor (" + now_.frame + ") is on " + child_ +

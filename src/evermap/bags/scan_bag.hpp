@@ -21,6 +21,8 @@ struct ScanOptions {
   std::string reference = {};  ///< what pose_at() tells: a topic of poses, or a frame of /tf; empty: nothing
   bool is_reference_needed = true;  ///< or a bag may have none
   std::string base = {};            ///< the frame that base_pose() tells; empty: nothing
+  bool is_imu_wanted = false;       ///< whether rotation_at() is to tell a gyroscope's turns
+  std::string imu = {};             ///< topic of sensor_msgs/Imu; empty: the only one
   std::optional<SensorMount> mount =
       {};  ///< of the sensor on what poses are of, where the recording does not tell
 };

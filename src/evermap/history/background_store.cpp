@@ -42,7 +42,7 @@ void BackgroundStore::acknowledge(const std::function<Octree()>& map, std::size_
 }
 
 void BackgroundStore::commit(Octree map, const std::string& what) {
-  start([this, map = std::move(map), cause = MapCause{what, cause_.parameters}] {
+  start([this, map = std::move(map), cause = MapCause{what, cause_.parameters, 0}] {
     store_.commit(map, cause);
     store_.begin(map, cause_, journal_);
   });

@@ -16,6 +16,8 @@ namespace evermap {
 struct MapCause {
   std::string what;        ///< in words: "update with 60 scans of run/scans"
   std::string parameters;  ///< hash of all parameters; empty where none matter
+  /// Of a run that was stopped before its end: the scans of its source that are in the map; else 0.
+  std::size_t scans = 0;
 };
 
 /// A map as it was at one time.

@@ -90,7 +90,7 @@ void MapStore::recover() {
       journal.cause.what + ", ended by force after " + std::to_string(journal.scans) + " scans";
   Transaction transaction(history_->database());
   const StoredVersion version =
-      history_->append(before, map, version_of({words, journal.cause.parameters}, false));
+      history_->append(before, map, version_of({words, journal.cause.parameters, journal.scans}, false));
   history_->clear_journal();
   transaction.commit();
   // What somebody put in the map's place since is more recent.
@@ -141,8 +141,9 @@ void MapStore::append_outside_change() {
   if (is_known) return;
   met_another_program_ = met_another_program_ || is_foreign_;
   const Octree before = all.empty() ? Octree(in_place_->grid()) : history_->checkout(all.back().number);
-  history_->append(before, *in_place_,
-                   version_of({all.empty() ? "as it was found" : "replaced by another program", ""}, true));
+  history_->append(
+      before, *in_place_,
+      version_of({all.empty() ? "as it was found" : "replaced by another program", "", 0}, true));
 }
 
 void MapStore::save(const Octree& map) {
@@ -159,7 +160,8 @@ void MapStore::put_in_place(const Octree& map, int version) {
 
 void MapStore::commit(const Octree& map, const MapCause& cause) {
   if (run_) run_->is_ending = true;
-  if (!MapHistory::exists_for(path_) && !read_map()) {
+  // A first version is no history yet, unless there is more to be told of it than the map.
+  if (!MapHistory::exists_for(path_) && cause.scans == 0 && !read_map()) {
     save(map);
   } else {
     // Both versions or none: the journal that ends with them continues the version before.
@@ -192,7 +194,7 @@ void MapStore::begin(const Octree& map, const MapCause& cause, const JournalPara
 void MapStore::start_journal() {
   std::unique_ptr<Run> run = std::move(run_);
   const bool is_in_place = read_map() && fingerprint_of(*in_place_) == fingerprint_of(run->journaled);
-  if (!is_in_place) commit(run->journaled, {"begin of: " + run->cause.what, run->cause.parameters});
+  if (!is_in_place) commit(run->journaled, {"begin of: " + run->cause.what, run->cause.parameters, 0});
   note_outside_change();
   run->newest = history().versions().back();
   run->most_journal_bytes = most_journal_bytes(run->journaled);
@@ -231,7 +233,7 @@ int MapStore::undo() {
   }
   if (all.size() < 2) throw FileError(path_, "no version before this one was kept");
   const StoredVersion& before = all[all.size() - 2];
-  commit(history_->checkout(before.number), {"undo of version " + std::to_string(all.back().number), ""});
+  commit(history_->checkout(before.number), {"undo of version " + std::to_string(all.back().number), "", 0});
   return before.number;
 }
 

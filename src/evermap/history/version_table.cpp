@@ -23,6 +23,7 @@ constexpr const char* kTables =
     "CREATE TABLE IF NOT EXISTS change(version INTEGER, part INTEGER, data BLOB, PRIMARY KEY(version, part));"
     "CREATE TABLE IF NOT EXISTS frame(version INTEGER PRIMARY KEY, name TEXT, latitude REAL, longitude REAL,"
     " altitude REAL);"
+    "CREATE TABLE IF NOT EXISTS progress(version INTEGER PRIMARY KEY, scans INTEGER);"
     "CREATE TABLE IF NOT EXISTS tag(name TEXT PRIMARY KEY, version INTEGER);"
     "CREATE TABLE IF NOT EXISTS run(what TEXT, parameters TEXT);"
     "CREATE TABLE IF NOT EXISTS journal(part INTEGER PRIMARY KEY, scans INTEGER, data BLOB);";
@@ -51,6 +52,7 @@ std::string seal_of(const StoredVersion& v) {
   for (const double value : {v.grid.edge, v.grid.origin.x(), v.grid.origin.y(), v.grid.origin.z()})
     all += '\n' + std::to_string(std::bit_cast<std::uint64_t>(value));
   all += '\n' + std::to_string(v.number) + ' ' + std::to_string(v.time) + ' ' + std::to_string(v.leaves);
+  if (v.cause.scans > 0) all += '\n' + std::to_string(v.cause.scans);
   if (v.frame != MapFrame{}) {
     all += '\n' + v.frame.name;
     const MapFrame::GeoPoint origin = v.frame.origin.value_or(MapFrame::GeoPoint{});
@@ -103,7 +105,7 @@ std::vector<StoredVersion> VersionTable::versions() {
     StoredVersion v;
     v.number = static_cast<int>(rows.integer(0));
     v.time = rows.integer(1);
-    v.cause = {rows.text(2), rows.text(3)};
+    v.cause = {rows.text(2), rows.text(3), 0};
     v.evermap = rows.text(4);
     v.fingerprint = rows.text(5);
     v.grid = {rows.real(6), {rows.real(7), rows.real(8), rows.real(9)}};
@@ -117,6 +119,7 @@ std::vector<StoredVersion> VersionTable::versions() {
     found.push_back(std::move(v));
   }
   read_frames(found);
+  read_progress(found);
   Statement tags(database_, "SELECT name, version FROM tag ORDER BY name");
   while (tags.step()) {
     for (StoredVersion& version : found) {
@@ -126,10 +129,24 @@ std::vector<StoredVersion> VersionTable::versions() {
   return found;
 }
 
+/// Whether there is such a table: a history that another evermap began may have none.
+bool VersionTable::has_table(const std::string& name) {
+  return Statement(database_, "SELECT 1 FROM sqlite_master WHERE name = ?").bind(name).step();
+}
+
+void VersionTable::read_progress(std::vector<StoredVersion>& versions) {
+  if (!has_table("progress")) return;
+  Statement rows(database_, "SELECT version, scans FROM progress");
+  while (rows.step()) {
+    for (StoredVersion& version : versions) {
+      if (version.number == rows.integer(0)) version.cause.scans = static_cast<std::size_t>(rows.integer(1));
+    }
+  }
+}
+
 /// A version has the frame of the last one that was stored as a whole.
 void VersionTable::read_frames(std::vector<StoredVersion>& versions) {
-  // A history that another evermap began may have no such table.
-  if (!Statement(database_, "SELECT 1 FROM sqlite_master WHERE name = 'frame'").step()) return;
+  if (!has_table("frame")) return;
   Statement rows(database_,
                  "SELECT version, name, latitude, longitude, altitude FROM frame ORDER BY version");
   bool is_row = rows.step();
@@ -205,7 +222,7 @@ Octree VersionTable::checkout(int number) {
 Journal VersionTable::journal() {
   Journal journal;
   Statement run(database_, "SELECT what, parameters FROM run");
-  if (run.step()) journal.cause = {run.text(0), run.text(1)};
+  if (run.step()) journal.cause = {run.text(0), run.text(1), 0};
   const std::vector<StoredVersion> all = versions();
   Statement parts(database_, "SELECT part, scans, data FROM journal ORDER BY part");
   while (parts.step()) {
@@ -246,6 +263,12 @@ void VersionTable::insert(StoredVersion& version, const std::vector<LeafChange>&
       frame.bind(origin->latitude).bind(origin->longitude).bind(origin->altitude);
     frame.run();
   }
+  if (version.cause.scans > 0) {
+    Statement(database_, "INSERT INTO progress VALUES(?,?)")
+        .bind(std::int64_t{version.number})
+        .bind(static_cast<std::int64_t>(version.cause.scans))
+        .run();
+  }
   Statement insert_part(database_, "INSERT INTO change VALUES(?,?,?)");
   std::int64_t part = 0;
   for_each_stretch(changes, [&](std::span<const LeafChange> stretch) {
@@ -278,7 +301,7 @@ StoredVersion VersionTable::append(const Octree& before, const Octree& after, St
 void VersionTable::remove(int number) {
   for (const char* statement :
        {"DELETE FROM version WHERE number = ?", "DELETE FROM change WHERE version = ?",
-        "DELETE FROM frame WHERE version = ?"})
+        "DELETE FROM frame WHERE version = ?", "DELETE FROM progress WHERE version = ?"})
     Statement(database_, statement).bind(std::int64_t{number}).run();
 }
 

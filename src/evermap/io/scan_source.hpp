@@ -32,6 +32,9 @@ class ScanSource {
   /// Where the sensor was at a time [s] during the last scan, in the frame that was asked for; none when the
   /// recording does not tell.
   virtual std::optional<Pose> pose_at(double /*time*/) const { return std::nullopt; }
+  /// R_inertial_sensor at a time [s] during the last scan, by a gyroscope; none when the recording does not
+  /// tell.
+  virtual std::optional<Eigen::Matrix3d> rotation_at(double /*time*/) const { return std::nullopt; }
   /// T_sensor_base: where the base that was asked for is in the frame of the last scan; none when the
   /// recording does not tell.
   virtual std::optional<Pose> base_pose() const { return std::nullopt; }

@@ -15,7 +15,7 @@ std::optional<Scan> SelectedScans::next() {
     constexpr double kRounding = 1e-6;  // [s]
     if (since_start < -kRounding) continue;
     if (since_start > selection_.duration + kRounding) return std::nullopt;
-    if (in_time_++ % selection_.every == 0) return scan;
+    if (in_time_++ % selection_.every == 0 && all_->index() >= selection_.skip) return scan;
   }
   return std::nullopt;
 }

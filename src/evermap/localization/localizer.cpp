@@ -41,18 +41,35 @@ Localizer::Localizer(const Pose& T_map_sensor_initial, const LidarParameters& li
       gate_(parameters.gate),
       T_map_sensor_initial_(T_map_sensor_initial) {}
 
-Pose Localizer::predict(double time, const std::optional<Pose>& T_odom_sensor) const {
+Pose Localizer::predict(double time, const EgoMotion& ego) const {
   if (!last_) return T_map_sensor_initial_;
-  if (T_odom_sensor && last_->T_odom_sensor) {
-    return last_->T_map_sensor * (last_->T_odom_sensor->inverse() * *T_odom_sensor);
+  if (ego.T_odom_sensor && last_->ego.T_odom_sensor) {
+    return last_->T_map_sensor * (last_->ego.T_odom_sensor->inverse() * *ego.T_odom_sensor);
   }
-  if (is_lost()) return last_->T_map_sensor;
-  return last_->T_map_sensor * exp(velocity_.value_or(last_->velocity) * (time - last_->time));
+  Twist moved = Twist::Zero();
+  if (!is_lost()) moved = velocity_.value_or(last_->velocity) * (time - last_->time);
+  if (const auto turn = turn_by_gyroscope(ego))
+    moved.tail<3>() = *turn - gyroscope_bias_ * (time - last_->time);
+  return last_->T_map_sensor * exp(moved);
 }
 
-void Localizer::begin(const Pose& T_map_sensor, double time, const std::optional<Pose>& T_odom_sensor,
+std::optional<Eigen::Vector3d> Localizer::turn_by_gyroscope(const EgoMotion& ego) const {
+  if (!last_ || !ego.R_inertial_sensor || !last_->ego.R_inertial_sensor) return std::nullopt;
+  return log(Pose{last_->ego.R_inertial_sensor->transpose() * *ego.R_inertial_sensor}).tail<3>();
+}
+
+void Localizer::learn_bias(const Localization& found) {
+  constexpr double kMemory = 100;  // [scans]
+  const std::optional<Eigen::Vector3d> turn = turn_by_gyroscope(found.ego);
+  if (!turn || is_lost() || !found.motion_is_known || found.registration.unobservable > 0) return;
+  const Eigen::Vector3d turned = log(last_->T_map_sensor.inverse() * found.T_map_sensor).tail<3>();
+  biases_ = std::min(biases_ + 1, kMemory);
+  gyroscope_bias_ += ((*turn - turned) / (found.time - last_->time) - gyroscope_bias_) / biases_;
+}
+
+void Localizer::begin(const Pose& T_map_sensor, double time, const EgoMotion& ego,
                       const std::optional<Twist>& velocity) {
-  last_ = {T_map_sensor, within(0, 0), velocity.value_or(Twist::Zero()), time, T_odom_sensor};
+  last_ = {T_map_sensor, within(0, 0), velocity.value_or(Twist::Zero()), time, ego};
   last_time_ = time;
   velocity_ = velocity;
 }
@@ -79,7 +96,7 @@ double Localizer::slack(double time) const {
 }
 
 bool Localizer::has_odometry(const Localization& found) const {
-  return last_ && found.T_odom_sensor && last_->T_odom_sensor && !found.odometry_jumps;
+  return last_ && found.ego.T_odom_sensor && last_->ego.T_odom_sensor && !found.odometry_jumps;
 }
 
 double Localizer::slack(const Localization& found) const {
@@ -87,50 +104,48 @@ double Localizer::slack(const Localization& found) const {
   return has_odometry(found) ? 1 : slack(found.time);  // it drifts with the way, not with time
 }
 
-Twist Localizer::odometry_off_steady(double time, const std::optional<Pose>& T_odom_sensor) const {
-  if (!velocity_ || !last_->T_odom_sensor || !T_odom_sensor) return Twist::Zero();
-  const Pose moved = last_->T_odom_sensor->inverse() * *T_odom_sensor;
+Twist Localizer::odometry_off_steady(double time, const EgoMotion& ego) const {
+  if (!velocity_ || !last_->ego.T_odom_sensor || !ego.T_odom_sensor) return Twist::Zero();
+  const Pose moved = last_->ego.T_odom_sensor->inverse() * *ego.T_odom_sensor;
   const Pose steady = exp(*velocity_ * (time - last_->time));
   return difference(steady, moved) / slack(time);
 }
 
-bool Localizer::odometry_jumps(double time, const std::optional<Pose>& T_odom_sensor) const {
-  const Twist off = odometry_off_steady(time, T_odom_sensor);
+bool Localizer::odometry_jumps(double time, const EgoMotion& ego) const {
+  const Twist off = odometry_off_steady(time, ego);
   return off.head<3>().norm() > parameters_.gate.max_jump ||
          off.tail<3>().norm() > parameters_.gate.max_turn_jump;
 }
 
-Localization Localizer::propose(const Octree& map, const Scan& raw, double time,
-                                const std::optional<Pose>& T_odom_sensor, const Contradicting& contradicting,
-                                Effort effort) const {
+Localization Localizer::propose(const Octree& map, const Scan& raw, double time, const EgoMotion& ego,
+                                const Contradicting& contradicting, Effort effort) const {
   if (!last_time_ || time > *last_time_) {
-    return locate(map, raw, time, T_odom_sensor, contradicting, effort);
+    return locate(map, raw, time, ego, contradicting, effort);
   }
   Localization found;
   found.time = time;
-  found.T_odom_sensor = T_odom_sensor;
-  found.T_map_sensor = found.T_map_sensor_predicted = predict(time, T_odom_sensor);
+  found.ego = ego;
+  found.T_map_sensor = found.T_map_sensor_predicted = predict(time, ego);
   found.reject_reason = RejectReason::kTimeNotLater;
   return found;
 }
 
-Localization Localizer::propose_earlier(const Octree& map, const Scan& raw, double time,
-                                        const std::optional<Pose>& T_odom_sensor,
+Localization Localizer::propose_earlier(const Octree& map, const Scan& raw, double time, const EgoMotion& ego,
                                         const Contradicting& contradicting, Effort effort) const {
-  Localization found = locate(map, raw, time, T_odom_sensor, contradicting, effort);
+  Localization found = locate(map, raw, time, ego, contradicting, effort);
   if (found.passes() && found.odometry_jumps) found.reject_reason = RejectReason::kOdometryJumps;
   found.state = found.passes() ? TrackingState::kTracking : TrackingState::kDegraded;
   return found;
 }
 
-Localization Localizer::locate(const Octree& map, const Scan& raw, double time,
-                               const std::optional<Pose>& T_odom_sensor, const Contradicting& contradicting,
-                               Effort effort) const {
+Localization Localizer::locate(const Octree& map, const Scan& raw, double time, const EgoMotion& ego,
+                               const Contradicting& contradicting, Effort effort) const {
   Localization found;
   found.time = time;
-  found.T_odom_sensor = T_odom_sensor;
-  found.odometry_jumps = odometry_jumps(time, T_odom_sensor);
-  found.T_map_sensor_predicted = predict(time, found.odometry_jumps ? std::nullopt : T_odom_sensor);
+  found.ego = ego;
+  found.odometry_jumps = odometry_jumps(time, ego);
+  found.T_map_sensor_predicted =
+      predict(time, found.odometry_jumps ? EgoMotion{{}, ego.R_inertial_sensor} : ego);
   found.motion_is_known = last_ && !is_lost() && (velocity_ || has_odometry(found));
   if (last_) found.velocity = velocity_to(found.T_map_sensor_predicted, time);
   found.scan = undistorted(raw, found.velocity);
@@ -158,7 +173,7 @@ Localization Localizer::locate(const Octree& map, const Scan& raw, double time,
 
 bool Localizer::is_vague(const Localization& found) const {
   const WeakestDirection weakest = weakest_direction(found.registration.covariance);
-  if (found.T_odom_sensor && !found.odometry_jumps) {
+  if (found.ego.T_odom_sensor && !found.odometry_jumps) {
     return weakest.sigma > (weakest.is_rotation ? 10 * kDegree : 1);
   }
   return weakest.sigma > (weakest.is_rotation ? kDegree : 0.1);  // of a velocity that may change any time
@@ -296,14 +311,16 @@ Matrix6 Localizer::uncertainty(const Localization& found, double time) const {
     constexpr double kUsual = 0.05;  // [m] by which vehicles leave constant velocity in 0.1 s; else
     constexpr double kUsualTurn = 3 * kDegree;  // their wheels may have slipped
     const Twist moved = log(last_->T_map_sensor.inverse() * found.T_map_sensor_predicted);
-    const Twist off = odometry_off_steady(time, found.T_odom_sensor);
+    const Twist off = odometry_off_steady(time, found.ego);
     const double slipped = std::max(0.0, off.head<3>().norm() - kUsual);
     const double turned = std::max(0.0, off.tail<3>().norm() - kUsualTurn);
     return last_->covariance + within(0.005 + kDrift * moved.head<3>().norm() + slipped,
                                       0.1 * kDegree + kDrift * moved.tail<3>().norm() + turned);
   }
   if (!found.motion_is_known) return last_->covariance + within(1, 5 * kDegree);
-  return last_->covariance + within(0.05 * slack(time), kDegree * slack(time));
+  constexpr double kGyroscope = 0.3;
+  const double turn = turn_by_gyroscope(found.ego) ? kGyroscope : 1;  // [degrees]
+  return last_->covariance + within(0.05 * slack(time), turn * kDegree * slack(time));
 }
 
 Registration Localizer::register_near(const Octree& map, const Scan& scan,
@@ -362,14 +379,14 @@ std::vector<Hypothesis> Localizer::search(const Octree& map, const Localization&
 }
 
 void Localizer::pass(const Localization& found) {
+  learn_bias(found);
   const std::optional<Twist> before = std::exchange(velocity_, std::nullopt);
   if (last_ && !is_lost()) {
     // What scans without a word about some direction left open was not driven since the last alone.
     const double share = 1.0 / (1 + unobservable_);
     velocity_ = before ? Twist(*before + share * (found.motion - *before)) : found.motion;
   }
-  last_ = {found.T_map_sensor, found.registration.covariance, found.velocity, found.time,
-           found.T_odom_sensor};
+  last_ = {found.T_map_sensor, found.registration.covariance, found.velocity, found.time, found.ego};
   failed_ = 0;
   tied_ = 0;
   unobservable_ = found.registration.unobservable > 0 ? unobservable_ + 1 : 0;

@@ -39,20 +39,20 @@ class MapMaintainer::Loop {
         viewpoint_(parameters.update.standstill),
         rollback_(static_cast<std::size_t>(parameters.rollback.scans)) {}
 
-  ScanResult process(const Scan& raw, double time, const std::optional<Pose>& T_odom_sensor) {
+  ScanResult process(const Scan& raw, double time, const EgoMotion& ego) {
     ScanResult result;
     result.time = time;
     result.points = count_points(raw, {});                  // as long as it is not condensed
     if (map_.empty() && mode_ != MapMode::kLocalization) {  // the first scan lies where it is put
-      result.T_map_sensor = localizer_.predict(time, T_odom_sensor);
-      start_ = {{raw, T_odom_sensor, result}};
+      result.T_map_sensor = localizer_.predict(time, ego);
+      start_ = {{raw, ego, result}};
       begins_map_ = true;
       begin_map(raw, std::nullopt);
       return start_.front().result;
     }
     const auto propose = [&](Effort effort) {
       return timed(result.times.locate, [&] {
-        return localizer_.propose(registered_to(), raw, time, T_odom_sensor, contradicting(), effort);
+        return localizer_.propose(registered_to(), raw, time, ego, contradicting(), effort);
       });
     };
     Localization found = propose(Effort::kUsual);
@@ -71,7 +71,7 @@ class MapMaintainer::Loop {
     } else if (found.motion_is_known && found.passes()) {
       result.confirmed = confirm_start();
     } else if (!found.motion_is_known && found.registration.converged()) {
-      start_.push_back({raw, T_odom_sensor, result});
+      start_.push_back({raw, ego, result});
     }
     return result;
   }
@@ -109,7 +109,7 @@ class MapMaintainer::Loop {
   /// A scan from before the motion was known, so that its pose could not be believed.
   struct StartScan {
     Scan raw;
-    std::optional<Pose> T_odom_sensor;
+    EgoMotion ego;
     ScanResult result;
   };
 
@@ -129,7 +129,7 @@ class MapMaintainer::Loop {
       if (edge > map_.grid().edge) wide_map_ = Octree(VoxelGrid{edge});
     }
     write(scan, first.result.T_map_sensor, result, &Loop::add_to_map);
-    localizer_.begin(result.T_map_sensor, result.time, first.T_odom_sensor, velocity);
+    localizer_.begin(result.T_map_sensor, result.time, first.ego, velocity);
     first.result = std::move(result);
   }
 
@@ -142,7 +142,7 @@ class MapMaintainer::Loop {
         result.reject_reason = RejectReason::kNone;
         const auto propose = [&](Effort effort) {
           return timed(result.times.locate, [&] {
-            return localizer_.propose_earlier(registered_to(), scan.raw, result.time, scan.T_odom_sensor,
+            return localizer_.propose_earlier(registered_to(), scan.raw, result.time, scan.ego,
                                               contradicting(), effort);
           });
         };
@@ -289,8 +289,9 @@ MapMaintainer::~MapMaintainer() = default;
 MapMaintainer::MapMaintainer(MapMaintainer&&) noexcept = default;
 MapMaintainer& MapMaintainer::operator=(MapMaintainer&&) noexcept = default;
 
-ScanResult MapMaintainer::process(const Scan& scan, double time, const std::optional<Pose>& T_odom_sensor) {
-  return loop_->process(scan, time, T_odom_sensor);
+ScanResult MapMaintainer::process(const Scan& scan, double time, const std::optional<Pose>& T_odom_sensor,
+                                  const std::optional<Eigen::Matrix3d>& R_inertial_sensor) {
+  return loop_->process(scan, time, EgoMotion{T_odom_sensor, R_inertial_sensor});
 }
 ScanResult MapMaintainer::process(const Scan& scan, const Pose& T_map_sensor,
                                   const std::optional<Pose>& T_map_sensor_begin) {

@@ -42,8 +42,10 @@ class MapMaintainer {
 
   /// Takes a scan whose pose is to be found. `time` [s]: when it ended, later than the one before.
   /// `T_odom_sensor`: the sensor's pose then, in a frame that may drift; given for each scan or for none.
-  /// A scan with a time for each point is deskewed to its end.
-  ScanResult process(const Scan& scan, double time, const std::optional<Pose>& T_odom_sensor = std::nullopt);
+  /// `R_inertial_sensor`: its rotation alone, as a gyroscope's rates add up; likewise, and of use where there
+  /// is no odometry. A scan with a time for each point is deskewed to its end.
+  ScanResult process(const Scan& scan, double time, const std::optional<Pose>& T_odom_sensor = std::nullopt,
+                     const std::optional<Eigen::Matrix3d>& R_inertial_sensor = std::nullopt);
 
   /// Takes a scan whose pose is known and trusted. `T_map_sensor_begin`: the pose when the scan began; with
   /// it, a scan with a time for each point is deskewed to its end, without it, all is taken as of one time.

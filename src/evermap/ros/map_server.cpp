@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include <evermap/bags/detail/gyroscope.hpp>
 #include <evermap/bags/detail/messages.hpp>
 #include <evermap/bags/detail/transform_buffer.hpp>
 #include <evermap/files/detail/background.hpp>
@@ -54,6 +55,7 @@ class MapServer::Node {
         transforms_(dds_, "/tf", tf2_msgs_msg_dds__TFMessage__desc, Delivery::kReliable, 100),
         static_transforms_(dds_, "/tf_static", tf2_msgs_msg_dds__TFMessage__desc, Delivery::kLatched, 100),
         odometry_(dds_, options.odometry, nav_msgs_msg_dds__Odometry__desc, Delivery::kSensorData, 100),
+        imu_(dds_, options.imu, sensor_msgs_msg_dds__Imu__desc, Delivery::kSensorData, 400),
         initial_poses_(dds_, "/initialpose", geometry_msgs_msg_dds__PoseWithCovarianceStamped__desc,
                        Delivery::kReliable, 1),
         commands_(dds_, "/" + options.name + "/command", std_msgs_msg_dds__String__desc, Delivery::kReliable,
@@ -133,6 +135,10 @@ class MapServer::Node {
     add_all(static_transforms_, "tf2_msgs/TFMessage", true);
     add_all(transforms_, "tf2_msgs/TFMessage", false);
     add_all(odometry_, "nav_msgs/Odometry", false);
+    for (const DdsMessage& message : imu_.take()) {
+      if (const auto rate = read_turn_rate({imu_.topic(), "sensor_msgs/Imu", Wire::kCdr}, message.bytes))
+        gyroscope_.add(*rate);
+    }
   }
 
   void take_initial_poses() {
@@ -182,10 +188,11 @@ class MapServer::Node {
     for (std::size_t i = waiting_.size(); i-- > 0;) {
       WaitingCloud& cloud = waiting_[i];
       const double time = *cloud.message.scan.time;
-      const bool is_odometry_coming = !odometry_at(time, cloud.message) &&
-                                      odometry_at(time - kPatience, cloud.message) &&
-                                      seconds_since(cloud.arrival) <= kPatience;
-      if (is_odometry_coming) continue;
+      const bool is_fresh = seconds_since(cloud.arrival) <= kPatience;
+      const bool is_odometry_coming =
+          !odometry_at(time, cloud.message) && odometry_at(time - kPatience, cloud.message);
+      const bool is_turn_coming = !gyroscope_.reaches(time) && gyroscope_.reaches(time - kPatience);
+      if (is_fresh && (is_odometry_coming || is_turn_coming)) continue;
       counts_.stale += i;
       std::optional<CloudMessage> next = std::move(cloud.message);
       waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
@@ -211,6 +218,7 @@ class MapServer::Node {
     }
     if (time <= last_time_) {
       frames_.forget_motion();
+      gyroscope_.forget();
       waiting_.clear();
       T_map_odom_.reset();
     }
@@ -234,7 +242,8 @@ class MapServer::Node {
     last_time_ = time;
 
     const Clock::time_point begin = Clock::now();
-    const ScanResult result = maintainer_->process(cloud.scan, time, T_odom_sensor);
+    const ScanResult result = maintainer_->process(cloud.scan, time, T_odom_sensor,
+                                                   gyroscope_.rotation_of(cloud.frame, frames_, time));
     milliseconds_ = 1e3 * seconds_since(begin);
     ++counts_.used;
     state_ = result.state;
@@ -314,6 +323,9 @@ class MapServer::Node {
                        ? base_ + ", for /tf does not connect it with " + options_.base_frame
                        : base_);
     add("odometry", uses_odometry_ ? "used" : "none");
+    add("gyroscope", gyroscope_.empty()               ? "none"
+                     : gyroscope_.reaches(last_time_) ? "used"
+                                                      : "tells no turn at the clouds' times");
     add("clouds used", counts_.used);
     add("clouds believed", counts_.believed);
     add("clouds too old when their turn came", counts_.stale);
@@ -407,11 +419,13 @@ class MapServer::Node {
   DdsReader transforms_;
   DdsReader static_transforms_;
   DdsReader odometry_;
+  DdsReader imu_;
   DdsReader initial_poses_;
   DdsReader commands_;
   MapTopics topics_;
 
   TransformBuffer frames_;
+  Gyroscope gyroscope_;
   std::deque<WaitingCloud> waiting_;  ///< for odometry at their time
   std::uint64_t sensor_ = 0;          ///< who sends the clouds
   Clock::time_point last_cloud_ = Clock::now();

@@ -20,6 +20,7 @@ struct ServerOptions {
   std::string name = "evermap";
   std::string points = "/points";   ///< topic of the clouds
   std::string odometry = "/odom";   ///< topic of nav_msgs/Odometry, if /tf does not tell
+  std::string imu = "/imu";         ///< topic of sensor_msgs/Imu, of use without odometry
   std::string odom_frame = "odom";  ///< frame of the odometry in /tf
   std::string base_frame = "base_link";
   Pose T_map_base_initial;

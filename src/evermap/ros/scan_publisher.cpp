@@ -24,6 +24,7 @@ class ScanPublisher::Topics {
         transforms(node, "/tf", tf2_msgs_msg_dds__TFMessage__desc, Delivery::kReliable),
         static_transforms(node, "/tf_static", tf2_msgs_msg_dds__TFMessage__desc, Delivery::kLatched),
         odometry(node, odometry_topic, nav_msgs_msg_dds__Odometry__desc, Delivery::kReliable),
+        imu(node, "/imu", sensor_msgs_msg_dds__Imu__desc, Delivery::kSensorData),
         clock(node, "/clock", rosgraph_msgs_msg_dds__Clock__desc, Delivery::kSensorData),
         initial_pose(node, "/initialpose", geometry_msgs_msg_dds__PoseWithCovarianceStamped__desc,
                      Delivery::kReliable),
@@ -34,6 +35,7 @@ class ScanPublisher::Topics {
   DdsWriter transforms;
   DdsWriter static_transforms;
   DdsWriter odometry;
+  DdsWriter imu;
   DdsWriter clock;
   DdsWriter initial_pose;
   DdsReader others;                       ///< transforms of other nodes
@@ -75,6 +77,16 @@ void ScanPublisher::send_transforms(const std::vector<StampedTransform>& transfo
 }
 
 void ScanPublisher::send_odometry(const StampedTransform& pose) { send(topics_->odometry, pose, kUnknown); }
+
+void ScanPublisher::send_turn_rate(const TurnRate& rate) {
+  sensor_msgs_msg_dds__Imu_ message{};
+  message.header = header_of(rate.time, rate.frame);
+  message.orientation.w = 1;
+  message.orientation_covariance[0] = -1;          // unknown
+  message.linear_acceleration_covariance[0] = -1;  // likewise
+  message.angular_velocity = {rate.rate.x(), rate.rate.y(), rate.rate.z()};
+  topics_->imu.write(&message);
+}
 
 void ScanPublisher::send_clock(double time) {
   const rosgraph_msgs_msg_dds__Clock_ message{stamp_of(time)};

@@ -24,6 +24,7 @@ class ScanPublisher {
   /// To /tf, or to /tf_static, where all that were sent are kept for those who come later.
   void send_transforms(const std::vector<StampedTransform>& transforms, bool is_static);
   void send_odometry(const StampedTransform& pose);
+  void send_turn_rate(const TurnRate& rate);  ///< sensor_msgs/Imu to /imu
   void send_clock(double time);
   /// geometry_msgs/PoseWithCovarianceStamped to /initialpose
   void send_initial_pose(const StampedTransform& pose);

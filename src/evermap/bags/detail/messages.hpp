@@ -22,6 +22,7 @@ enum class MessageKind {
   kTransforms,  ///< tf2_msgs/TFMessage, tf/tfMessage
   kPoses,       ///< nav_msgs/Odometry and Path, geometry_msgs/PoseStamped, PoseWithCovarianceStamped and
                 ///< TransformStamped
+  kImu,         ///< sensor_msgs/Imu
 };
 MessageKind kind_of(std::string_view type);
 inline bool is_cloud(const BagTopic& topic) {
@@ -61,6 +62,15 @@ struct StampedTransform {
   std::string child;  ///< empty when the message does not name it
   Pose T_parent_child;
 };
+
+/// How fast a gyroscope turns.
+struct TurnRate {
+  double time = 0;  ///< [s]
+  std::string frame;
+  Eigen::Vector3d rate = Eigen::Vector3d::Zero();  ///< [rad/s] about the frame's axes
+};
+/// What a message of a kImu topic tells; nothing when it is damaged, or its rates are no numbers.
+std::optional<TurnRate> read_turn_rate(const BagTopic& topic, std::string_view bytes);
 
 /// What a message of transforms or poses tells; nothing when it is damaged.
 std::vector<StampedTransform> read_transforms(const BagTopic& topic, std::string_view bytes);

@@ -4,6 +4,7 @@
 
 #include <deque>
 
+#include <evermap/bags/detail/gyroscope.hpp>
 #include <evermap/bags/detail/messages.hpp>
 #include <evermap/bags/detail/transform_buffer.hpp>
 #include <evermap/bags/scan_bag.hpp>
@@ -25,6 +26,7 @@ class ScanBag : public ScanSource {
   std::string place() const override;
   const CloudNotes& notes() const override { return now_.notes; }
   std::optional<Pose> pose_at(double time) const override;
+  std::optional<Eigen::Matrix3d> rotation_at(double time) const override;
   std::optional<Pose> base_pose() const override;
   std::string frame() const override { return now_.frame; }
   std::vector<std::string> remarks() const override;
@@ -49,6 +51,8 @@ class ScanBag : public ScanSource {
   Trajectory reference_;  ///< T_reference_child of the reference topic
   std::string child_;     ///< of the reference topic; empty when it names none
   std::optional<SensorMount> mount_;
+  std::optional<std::size_t> imu_topic_;
+  Gyroscope gyroscope_;
   TransformBuffer transforms_;
   std::deque<Cloud> waiting_;  ///< for poses that come later in the bag
   double recorded_ = 0;        ///< [s] of the last message

@@ -32,6 +32,7 @@ struct Journal {
 ///   version   a row a version; each is sealed together with the seal of the one before
 ///   change    what a version changed, in parts of at most kMostPacked leaves
 ///   frame     of the versions that are stored as a whole, where it is not the usual one
+///   progress  of versions that a run left which was stopped, how many of its scans they have
 ///   tag       names of versions
 ///   run       the run that has not ended, if there is one
 ///   journal   what it changed since the newest version, in the order in which that was acknowledged
@@ -81,7 +82,9 @@ class VersionTable {
   std::int64_t last_part_of_journal();
 
   std::int64_t read_format();
+  bool has_table(const std::string& name);
   void read_frames(std::vector<StoredVersion>& versions);
+  void read_progress(std::vector<StoredVersion>& versions);
 
   Database database_;
   bool is_begun_ = false;  ///< false of a file in which a killed process had not made the tables yet

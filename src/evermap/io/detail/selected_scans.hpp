@@ -16,6 +16,7 @@ struct ScanSelection {
   double duration = std::numeric_limits<double>::infinity();  ///< [s]
   std::size_t every = 1;                                      ///< each n-th of these
   double scan_period = 0.1;                                   ///< [s] where scans have no times
+  std::size_t skip = 0;                                       ///< the first, counted with those left out
   bool is_strict = false;                                     ///< a damaged scan is an error
 };
 
@@ -32,6 +33,7 @@ class SelectedScans : public ScanSource {
   std::string place() const override { return all_->place(); }
   const CloudNotes& notes() const override { return all_->notes(); }
   std::optional<Pose> pose_at(double time) const override { return all_->pose_at(time); }
+  std::optional<Eigen::Matrix3d> rotation_at(double time) const override { return all_->rotation_at(time); }
   std::optional<Pose> base_pose() const override { return all_->base_pose(); }
   std::string frame() const override { return all_->frame(); }
   std::vector<std::string> remarks() const override;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include <evermap/localization/detail/ego_motion.hpp>
 #include <evermap/localization/detail/gate.hpp>
 #include <evermap/localization/detail/registration.hpp>
 #include <evermap/localization/detail/relocation.hpp>
@@ -21,8 +22,8 @@ struct Localization {
   RejectReason reject_reason = RejectReason::kNone;
   Registration registration;
 
-  double time = 0;                    ///< [s] when the scan ended
-  std::optional<Pose> T_odom_sensor;  ///< what odometry said then
+  double time = 0;  ///< [s] when the scan ended
+  EgoMotion ego;    ///< what the robot's other sensors said then
   Pose T_map_sensor_predicted;
   Scan scan;                       ///< deskewed, its points all as of `time`
   Twist velocity = Twist::Zero();  ///< [m/s, rad/s] in the sensor's frame, by which its end was deskewed
@@ -60,11 +61,11 @@ class Localizer {
             const LocalizationParameters& parameters);
 
   /// Where the sensor should be at `time` [s]: the last pose that passed, moved on by the odometry, or by
-  /// constant velocity without.
-  Pose predict(double time, const std::optional<Pose>& T_odom_sensor) const;
+  /// constant velocity and the gyroscope without.
+  Pose predict(double time, const EgoMotion& ego) const;
 
   /// Where the map began: a scan whose pose is given, and the velocity then, where known.
-  void begin(const Pose& T_map_sensor, double time, const std::optional<Pose>& T_odom_sensor,
+  void begin(const Pose& T_map_sensor, double time, const EgoMotion& ego,
              const std::optional<Twist>& velocity = std::nullopt);
 
   /// A scan whose sensor moved at `velocity` [m/s, rad/s], as if it had been taken at once at its end.
@@ -74,15 +75,13 @@ class Localizer {
   /// judge it. With odometry, it is to be given for each. At the start, when lost and when in doubt several
   /// places are considered; with `contradicting`, the rays have a say, too: a scan that is taken for lying
   /// behind a wall shoots through it.
-  Localization propose(const Octree& map, const Scan& raw, double time,
-                       const std::optional<Pose>& T_odom_sensor, const Contradicting& contradicting = {},
-                       Effort effort = Effort::kUsual) const;
+  Localization propose(const Octree& map, const Scan& raw, double time, const EgoMotion& ego,
+                       const Contradicting& contradicting = {}, Effort effort = Effort::kUsual) const;
 
   /// The same for a scan from before the last pose that passed, whose motion was not known at its time. Its
   /// state is set, too: it is not to be concluded.
-  Localization propose_earlier(const Octree& map, const Scan& raw, double time,
-                               const std::optional<Pose>& T_odom_sensor, const Contradicting& contradicting,
-                               Effort effort) const;
+  Localization propose_earlier(const Octree& map, const Scan& raw, double time, const EgoMotion& ego,
+                               const Contradicting& contradicting, Effort effort) const;
 
   /// Whether so many contradictions are unusual.
   bool is_contradicting(double fraction) const { return gate_.is_contradicting(fraction); }
@@ -100,12 +99,11 @@ class Localizer {
     Matrix6 covariance;
     Twist velocity;  ///< [m/s, rad/s] in the sensor's frame, by which the scan was deskewed
     double time;     ///< [s]
-    std::optional<Pose> T_odom_sensor;
+    EgoMotion ego;
   };
 
-  Localization locate(const Octree& map, const Scan& raw, double time,
-                      const std::optional<Pose>& T_odom_sensor, const Contradicting& contradicting,
-                      Effort effort) const;
+  Localization locate(const Octree& map, const Scan& raw, double time, const EgoMotion& ego,
+                      const Contradicting& contradicting, Effort effort) const;
   /// How much wider the gate is for a prediction over more than one period. REQUIRES: there was a fix.
   double slack(double time) const;
   double slack(const Localization& found) const;
@@ -118,8 +116,8 @@ class Localizer {
   Twist velocity_between_middles(const Pose& T_map_sensor, const Twist& velocity,
                                  const Localization& found) const;
   /// How far odometry leaves constant velocity, for 0.1 s; zero where either is unknown.
-  Twist odometry_off_steady(double time, const std::optional<Pose>& T_odom_sensor) const;
-  bool odometry_jumps(double time, const std::optional<Pose>& T_odom_sensor) const;
+  Twist odometry_off_steady(double time, const EgoMotion& ego) const;
+  bool odometry_jumps(double time, const EgoMotion& ego) const;
   /// Whether the prediction is the odometry's.
   bool has_odometry(const Localization& found) const;
   /// Whether some direction is known too badly for the pose to be of use.
@@ -149,6 +147,10 @@ class Localizer {
   /// Takes another place where the sensor is if it suddenly turned, or went straight, and more fits there.
   void try_turns(const Octree& map, const Scan& raw, const Matrix6& covariance, const Localization& found,
                  Hypothesis& place) const;
+  /// [rad] how the sensor turned since the last fix, about its axes then; none where no gyroscope tells.
+  std::optional<Eigen::Vector3d> turn_by_gyroscope(const EgoMotion& ego) const;
+  /// A gyroscope that stands still says that it turns a little; the map knows better.
+  void learn_bias(const Localization& found);
   void pass(const Localization& found);
   void fail();
 
@@ -157,11 +159,13 @@ class Localizer {
   Gate gate_;
   TrackingState state_ = TrackingState::kStarting;
   Pose T_map_sensor_initial_;
-  std::optional<Fix> last_;          ///< none before the first
-  std::optional<Twist> velocity_;    ///< [m/s, rad/s] in the sensor's frame, once two fixes tell it
-  std::optional<double> last_time_;  ///< [s] of the last scan, passed or not
-  int failed_ = 0;                   ///< scans since the last fix
-  int unobservable_ = 0;             ///< fixes since the last whose directions were all observable
+  std::optional<Fix> last_;        ///< none before the first
+  std::optional<Twist> velocity_;  ///< [m/s, rad/s] in the sensor's frame, once two fixes tell it
+  Eigen::Vector3d gyroscope_bias_ = Eigen::Vector3d::Zero();  ///< [rad/s] in the sensor's frame
+  double biases_ = 0;                                         ///< [scans] it was learnt from
+  std::optional<double> last_time_;                           ///< [s] of the last scan, passed or not
+  int failed_ = 0;                                            ///< scans since the last fix
+  int unobservable_ = 0;  ///< fixes since the last whose directions were all observable
   double tied_ = 0;  ///< explained by the best of places that tied since the last scan that passed: a place
                      ///< that explains less is not where the robot is
 };
