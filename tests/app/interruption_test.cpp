@@ -12,12 +12,12 @@ namespace {
 
 class InterruptionTest : public ProgramTest {
  protected:
-  /// Sends `signal` once the first scan is done; exit code and result.
-  Result interrupt(std::vector<std::string> arguments, int signal) const {
+  /// Sends `signal` once the first scan, or the one named, is done; exit code and result.
+  Result interrupt(std::vector<std::string> arguments, int signal, const std::string& scan = ".bin") const {
     arguments.insert(arguments.begin(), "--verbose");  // logs every scan that is done
     const std::unique_ptr<Process> process = start(arguments);
     while (!std::filesystem::exists(path("stderr")) ||
-           content(path("stderr")).find(".bin") == std::string::npos) {
+           content(path("stderr")).find(scan) == std::string::npos) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     process->send(signal);
@@ -68,7 +68,7 @@ TEST_F(InterruptionTest, AnUpdateThatWasStoppedGoesOn) {
     std::filesystem::remove(path("out.evm"));
     expect_done(build("before", "map.evm"));
     const std::vector<std::string> options = {"--json", "--sync", "1"};
-    interrupt(update("map.evm", "now", "out.evm", options), signal);
+    interrupt(update("map.evm", "now", "out.evm", options), signal, "10003.bin");
     std::vector<std::string> go_on = update("map.evm", "now", "out.evm", options);
     go_on.emplace_back("--resume");
     const Result result = run(go_on);
@@ -117,8 +117,7 @@ TEST_F(InterruptionTest, ASecondWriterIsRefused) {
   std::vector<std::string> arguments = update("map.evm", "now", "map.evm");
   arguments.insert(arguments.begin(), "--verbose");
   const std::unique_ptr<Process> process = start(arguments);
-  while (!std::filesystem::exists(path("stderr")) ||
-         content(path("stderr")).find(".bin") == std::string::npos)
+  while (!std::filesystem::exists(path("stderr")) || content(path("stderr")).find(scan) == std::string::npos)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   Process second(update("map.evm", "before", "map.evm"), path("stdout2"), path("stderr2"));
   EXPECT_EQ(second.wait(), 1);
