@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <sys/resource.h>
 
 #include <Eigen/Geometry>
 
@@ -348,6 +349,37 @@ TEST_F(ScanBagTest, NoValueOfAnyFieldDoesHarm) {
 }
 
 /// Its index promises many clouds, and its first chunk is damaged.
+/// [bytes] that this process ever took.
+std::size_t peak_memory() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+TEST_F(ScanBagTest, AnyNumberOfCloudsTakesTheMemoryOfAChunk) {
+  constexpr std::size_t kParts = 40;
+  constexpr std::size_t kCloudsOfPart = 10;
+  constexpr std::size_t kPoints = 20000;
+  const std::vector<CloudPoint> points(kPoints, {1, 2, 3, 0.05F});
+  std::filesystem::create_directory(path("parts"));
+  for (std::size_t part = 0; part < kParts; ++part) {
+    std::vector<WrittenMessage> messages;
+    for (std::size_t i = 0; i < kCloudsOfPart; ++i) {
+      const double time = kStart + 0.1 * static_cast<double>(kCloudsOfPart * part + i);
+      messages.push_back(
+          {"/points", "sensor_msgs/PointCloud2", time, cloud_message(Wire::kCdr, time, "lidar", points)});
+    }
+    make("parts/part_" + std::to_string(part) + ".mcap", mcap_bag(messages, Wire::kCdr, {"zstd", true, 3}));
+  }
+  const std::size_t before = peak_memory();
+  const auto scans = open_scans(path("parts"));
+  std::size_t count = 0;
+  while (scans->next()) ++count;
+  EXPECT_EQ(count, kParts * kCloudsOfPart);
+  constexpr std::size_t kMiB = std::size_t{1} << 20;
+  EXPECT_LT(peak_memory() - before, 16 * kMiB);  // of 200 MiB that are in the bag
+}
+
 TEST_F(ScanBagTest, ABagThatIsDamagedFromTheStartIsRefusedOnce) {
   std::vector<WrittenMessage> many;
   for (int i = 0; i < 20; ++i) {
