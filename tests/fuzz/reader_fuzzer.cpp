@@ -3,6 +3,7 @@
 // libFuzzer over one reader, EVERMAP_READ(path): whatever a file holds, it is read or refused by a FileError,
 // and what was read can be written and read again.
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -10,6 +11,8 @@
 #include <sstream>
 #include <unistd.h>
 
+#include <evermap/bags/detail/gyroscope.hpp>
+#include <evermap/bags/detail/messages.hpp>
 #include <evermap/bags/scan_bag.hpp>
 #include <evermap/config/parameters_file.hpp>
 #include <evermap/files/file_error.hpp>
@@ -23,8 +26,40 @@
 namespace {
 
 [[maybe_unused]] void read_all(const std::filesystem::path& path) {
-  const auto scans = evermap::open_scans(path, {.reference = "odom"});
-  while (const std::optional<evermap::Scan> scan = scans->next()) scans->pose_at(*scan->time);
+  const auto scans = evermap::open_scans(path, {.reference = "odom", .is_imu_wanted = true});
+  while (const std::optional<evermap::Scan> scan = scans->next()) {
+    scans->pose_at(*scan->time);
+    scans->rotation_at(*scan->time);
+  }
+}
+
+/// A message as it comes from the network; its first byte tells the type.
+[[maybe_unused]] void read_message(const std::filesystem::path& path) {
+  std::ostringstream content;
+  content << std::ifstream(path, std::ios::binary).rdbuf();
+  const std::string bytes = content.str();
+  if (bytes.empty()) return;
+  constexpr std::array<const char*, 6> kTypes = {"sensor_msgs/PointCloud2",
+                                                 "livox_ros_driver2/CustomMsg",
+                                                 "tf2_msgs/TFMessage",
+                                                 "nav_msgs/Odometry",
+                                                 "geometry_msgs/PoseWithCovarianceStamped",
+                                                 "sensor_msgs/Imu"};
+  const evermap::BagTopic topic{"/topic", kTypes[static_cast<unsigned char>(bytes[0]) % kTypes.size()],
+                                evermap::Wire::kCdr};
+  const std::string_view message = std::string_view(bytes).substr(1);
+  evermap::TransformBuffer frames;
+  evermap::Gyroscope gyroscope;
+  if (evermap::is_cloud(topic)) {
+    evermap::read_cloud_message(topic, message, "/topic");
+  } else if (const auto rate = evermap::read_turn_rate(topic, message);
+             evermap::kind_of(topic.type) == evermap::MessageKind::kImu) {
+    if (rate) gyroscope.add(*rate);
+  } else {
+    for (const evermap::StampedTransform& transform : evermap::read_transforms(topic, message))
+      frames.add(transform, false);
+    frames.lookup("odom", "lidar", 0);
+  }
 }
 
 [[maybe_unused]] void read_parameters(const std::filesystem::path& path) {

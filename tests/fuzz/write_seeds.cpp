@@ -22,6 +22,7 @@ std::vector<WrittenMessage> messages_in(Wire wire) {
     const double time = kTime + 0.1 * i;
     messages.push_back({"/points", "sensor_msgs/PointCloud2", time,
                         cloud_message(wire, time, "lidar", {{1, 2, 3, 0}, {4, 5, 6, 0.1F}})});
+    messages.push_back({"/imu", "sensor_msgs/Imu", time, imu_message(wire, time, "lidar", {0.1, 0.2, 0.3})});
     messages.push_back(
         {"/tf", "tf2_msgs/TFMessage", time, transform_message(wire, time, "odom", "base_link", Pose{})});
     messages.push_back(
@@ -41,6 +42,13 @@ void write_seeds(const std::filesystem::path& folder) {
     write("ros1_bag", compression, ros1_bag(messages_in(Wire::kRos1), {compression, true, 4}));
   for (const std::string compression : {"none", "lz4", "zstd"})
     write("mcap", compression, mcap_bag(messages_in(Wire::kCdr), Wire::kCdr, {compression, true, 4}));
+  for (const WrittenMessage& message : messages_in(Wire::kCdr)) {
+    const char type = message.topic == "/points" ? 0
+                      : message.topic == "/odom" ? 3
+                      : message.topic == "/imu"  ? 5
+                                                 : 2;
+    write("message", message.topic.substr(1), type + message.bytes);
+  }
   std::filesystem::create_directories(folder / "sqlite_bag");
   write_sqlite_bag(folder / "sqlite_bag" / "none", messages_in(Wire::kCdr));
   const std::string floats = bytes_of<float>({1, 2, 3, 4, 5, 6, 7, 8});
