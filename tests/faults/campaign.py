@@ -26,6 +26,15 @@ def hash_of(path):
     return hashlib.sha256(path.read_bytes()).hexdigest() if path.exists() else None
 
 
+def output_of(right):
+    return next((name for name in right if name.startswith("new")), "map.evm")
+
+
+def scans_told(words):
+    """Of how many scans the program said that they are done; the last of these may not be acknowledged yet."""
+    return sum(1 for line in words.splitlines() if re.search(r"debug: (scan \d+:|yard)", line))
+
+
 class Campaign:
     def __init__(self, program, shim, folder):
         self.program, self.shim, self.folder = str(program), str(shim), Path(folder)
@@ -120,32 +129,33 @@ class Campaign:
             return f"does not go on: {words}"
         if code == 1 and not any(line.startswith("evermap: ") for line in words.splitlines()):
             return f"fails without a word: {words!r}"
-        output = "map.evm" if "new.evm" not in right and "new.pcd" not in right else next(n for n in right if n.startswith("new"))
+        output = output_of(right)
         before = hash_of(self.start / output)
         now = hash_of(at / output)
         if now not in (before, right[output]):
             return f"{output} is neither the old nor the new one"
         if code == 0 and now != right[output]:
             return f"exit 0, but {output} is not the new one"
-        # The next process brings to its end what this one left.
+        return self.judge_recovered(verb, right, scans_told(words) if code == -signal.SIGKILL else 0, code == 0, at)
+
+    def judge_recovered(self, verb, right, told, ended, at):
+        """What is wrong with what the next process makes of what this verb left, which had done `told` scans."""
+        output = output_of(right)
         self.run("log", "map.evm", at=at)
-        if verb in ("update", "localize") and code == -signal.SIGKILL:
-            self.run("info", "map.evm", at=at)
-            told = sum(1 for line in words.splitlines() if re.search(r"debug: (scan \d+:|yard)", line))
-            if hash_of(at / output) not in self.after_scans[max(told - 1, 0):]:  # the last may not be acknowledged yet
-                return f"{told} scans were done; {self.run('log', 'map.evm', at=at).stdout.decode()}"
+        self.run("info", "map.evm", at=at)  # brings to its end what this one left
+        states = self.after_scans[max(told - 1, 0):] if verb in ("update", "localize") else [hash_of(self.start / output)]
+        if hash_of(at / output) not in ([right[output]] if ended else [*states, right[output]]):
+            return f"{told} scans were done; {self.run('log', 'map.evm', at=at).stdout.decode()}"
         verdict = subprocess.run([self.program, "verify", "map.evm"], cwd=at, capture_output=True)
         if verdict.returncode != 0:
             return f"verify: {verdict.stdout.decode()}{verdict.stderr.decode()}"
         for version, digest in self.versions.items():
-            if verb == "prune" and version == 1:
-                continue
-            if self.version(at, version) != digest:
+            if not (verb == "prune" and version == 1) and self.version(at, version) != digest:
                 return f"version {version} is another"
         again = self.run(*self.verbs()[verb], at=at, fault="count:/dev/null")
         if again.returncode != 0 and not (verb == "undo" and b"no version before" in again.stderr):
             return f"does not work afterwards: {again.stderr.decode()}"
-        left = {p.name for p in at.iterdir()} - set(right) - {"yard", "map.evm.history", "poses.txt"}
+        left = {p.name for p in at.iterdir()} - set(right) - {"yard", "map.evm.history", "poses.txt", "lost+found"}
         if left:
             return f"leaves behind {sorted(left)}"
         return None
