@@ -87,13 +87,17 @@ void run_localize(const LocalizeOptions& options) {
   PoseLog log(options.poses);
   const auto acknowledge = [&](const LocalizedRun& run) {
     log.extend(run.trajectory);
-    if (store && store->acknowledge([&] { return maintainer.map(); }, run.scans.size())) log.sync();
+    if (store && evermap::acknowledge(
+                     *store, [&] { return maintainer.map(); }, run.scans.size()))
+      log.sync();
   };
   const LocalizedRun run = localize_scans(scans, maintainer, parameters.lidar.scan_period, acknowledge);
   write_trajectory(options.poses, run);
   log.discard();
   if (!options.states.empty()) write_states(options.states, run);
-  if (store) {
+  const bool is_left = store && run.run.stopped_by != 0 &&
+                       leave_if_large(*store, maintainer.map(), options.journal, run.scans.size());
+  if (store && !is_left) {
     cause.what +=
         fmt::format(", {} of {} scans tracked", run.count(TrackingState::kTracking), run.scans.size());
     put_in_place(*store, maintainer.map(), cause);

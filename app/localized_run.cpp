@@ -140,6 +140,7 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
   LocalizedRun result;
   result.frames.frame = maintainer.map().frame().name;
   result.trajectory = options.before;
+  result.before = options.before.size();
   std::string point_time;
   std::size_t backwards = 0;
   bool is_matched = false;
@@ -209,7 +210,7 @@ std::size_t LocalizedRun::rolled_back() const {
 
 bool LocalizedRun::is_hardly_tracked() const {
   constexpr std::size_t kHardly = 3;  // one in three
-  return kHardly * count(TrackingState::kTracking) < scans.size();
+  return kHardly * (before + count(TrackingState::kTracking)) < before + scans.size();
 }
 
 std::pair<double, double> LocalizedRun::way() const {

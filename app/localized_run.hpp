@@ -40,6 +40,7 @@ struct LocalizedRun {
   Pose T_sensor_base;                   ///< the sensor itself, unless a base was asked for
   OdometryFrames frames;                ///< of these poses
   std::vector<ScanResult> scans;        ///< all
+  std::size_t before = 0;               ///< poses of the run that this one goes on with
   std::size_t with_odometry = 0;        ///< scans whose pose the odometry told
   std::size_t with_gyroscope = 0;       ///< scans whose rotation a gyroscope told
 

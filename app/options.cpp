@@ -182,6 +182,29 @@ void put_in_place(MapStore& store, const Octree& map, const MapCause& cause) {
                store.path().string());
 }
 
+bool is_large(const Octree& map) {
+  constexpr std::size_t kLeaves = 4'000'000;  // 190 MB
+  return map.leaf_count() > kLeaves;
+}
+
+bool acknowledge(MapStore& store, const std::function<Octree()>& map, std::size_t scans) {
+  if (store.has_journal()) return store.acknowledge(map, scans);
+  forget_stop_signals();
+  const bool is_written = store.acknowledge(map, scans);
+  catch_stop_signals();
+  return is_written;
+}
+
+bool leave_if_large(MapStore& store, const Octree& map, const JournalParameters& journal, std::size_t scans) {
+  if (!is_large(map) || journal.scans == 0) return false;
+  const bool has_journal = store.has_journal();
+  if (has_journal) store.leave(map, scans);
+  spdlog::warn("{}: {}", store.path().string(),
+               has_journal ? "what the run did is in its journal; whoever opens it next puts that in place"
+                           : "stopped before anything was acknowledged; it is as it was");
+  return true;
+}
+
 MapCause cause_of(const std::string& verb, const std::filesystem::path& scans, const Parameters& parameters) {
   const std::string yaml = to_yaml(parameters);
   return {fmt::format("{} {}", verb, scans.string()),

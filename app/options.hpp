@@ -64,6 +64,14 @@ Octree load_start(const std::filesystem::path& map, MapStore& store);
 
 /// Commits what a run made of the map. Warns when another program was at the map meanwhile.
 void put_in_place(MapStore& store, const Octree& map, const MapCause& cause);
+/// Whether to write a map takes longer than who stops a program waits.
+bool is_large(const Octree& map);
+/// Has the journal written if that is due. Before it has begun, a signal ends the program at once: nothing is
+/// lost then, and of a large map it takes long to begin.
+bool acknowledge(MapStore& store, const std::function<Octree()>& map, std::size_t scans);
+/// At the end of a run that was stopped, leaves a large map in its journal, and says so. False when it is to
+/// be put in place as usual, as one that is small or has no journal.
+bool leave_if_large(MapStore& store, const Octree& map, const JournalParameters& journal, std::size_t scans);
 /// What a run is, for the history of the map that it changes.
 MapCause cause_of(const std::string& verb, const std::filesystem::path& scans, const Parameters& parameters);
 /// --sync

@@ -22,6 +22,7 @@ namespace {
 
 // A signal handler can reach nothing but a global.
 volatile std::sig_atomic_t g_stop_requested = 0;
+constexpr int kStopSignals[] = {SIGINT, SIGTERM, SIGHUP};
 void request_stop(int signal) { g_stop_requested = signal; }
 
 double wall_seconds() {
@@ -46,9 +47,11 @@ void check_any_used(const ScanResult::PointCounts& points, const std::filesystem
 std::string point_time_in_words(const CloudNotes& notes) { return notes.time ? notes.time->describe() : ""; }
 
 void catch_stop_signals() {
-  std::signal(SIGINT, request_stop);
-  std::signal(SIGTERM, request_stop);
-  std::signal(SIGHUP, request_stop);
+  for (const int signal : kStopSignals) std::signal(signal, request_stop);
+}
+
+void forget_stop_signals() {
+  for (const int signal : kStopSignals) std::signal(signal, SIG_DFL);
 }
 
 int stop_signal() { return g_stop_requested; }

@@ -36,6 +36,8 @@ struct Run {
 
 /// From now on SIGINT, SIGTERM and SIGHUP are remembered instead of ending the program.
 void catch_stop_signals();
+/// They end the program again, at once.
+void forget_stop_signals();
 /// The one that came; 0: none did.
 int stop_signal();
 

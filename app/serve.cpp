@@ -77,7 +77,7 @@ void serve(const ServeOptions& options) {
                  result->is_believed() ? "" : ": the scan ", to_string(result->reject_reason));
   }
   sd_notify(0, "STOPPING=1");
-  server.finish();
+  server.finish(is_large(server.map()));
   const ServerCounts& counts = server.counts();
   fmt::print("clouds   {} used, {} believed; {} too old when their turn came, {} damaged\n", counts.used,
              counts.believed, counts.stale, counts.damaged);

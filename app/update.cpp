@@ -22,7 +22,7 @@ struct UpdateOptions {
   std::filesystem::path output;
   ParameterOptions parameters;
   std::filesystem::path report;  ///< folder; empty when not asked for
-  JournalParameters journal{.scans = 0};
+  JournalParameters journal;
   double patience = 0;  ///< [s]
   bool resume = false;
   bool as_json = false;
@@ -74,9 +74,11 @@ void run_update(const UpdateOptions& options) {
       run_over(scans, options.run.threads, maintainer, [&](const PosedScan& posed, const ScanResult& result) {
         look_at_poses(posed, result);
         taken = posed.index + 1;
-        store.acknowledge([&] { return maintainer.map(); }, posed.index + 1);
+        acknowledge(
+            store, [&] { return maintainer.map(); }, taken);
       });
   const Octree octree = maintainer.map();
+  if (run.stopped_by != 0 && leave_if_large(store, octree, options.journal, taken)) end_as(run);
   cause.what += fmt::format(", {} scans", run.scans_done);
   if (run.stopped_by != 0) cause.scans = taken;
   put_in_place(store, octree, cause);
@@ -103,9 +105,16 @@ void add_update(CLI::App& app) {
   add_config_option(*verb, options->parameters);
   add_report_option(*verb, options->report);
   add_sync_option(*verb, options->journal);
+  CLI::Option* sync = verb->get_option("--sync")->default_str("10, or 0 for a map that is new");
   add_wait_option(*verb, options->patience);
   add_json_option(*verb, options->as_json);
-  verb->callback([options] { run_update(*options); });
+  verb->callback([options, sync] {
+    std::error_code error;
+    // A journal tells what changed since the map that is in place.
+    const bool is_new = !std::filesystem::exists(options->output, error);
+    if (sync->count() == 0 && is_new) options->journal.scans = 0;
+    run_update(*options);
+  });
 }
 
 }  // namespace evermap

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/program.hpp"
+#include <evermap/io/map_file.hpp>
 
 namespace evermap {
 namespace {
@@ -82,6 +83,28 @@ TEST_F(InterruptionTest, AnUpdateThatWasStoppedGoesOn) {
     EXPECT_EQ(again.exit_code, 1);
     EXPECT_NE(again.err.find("was not left by an update"), std::string::npos) << again.err;
   }
+}
+
+TEST_F(InterruptionTest, ALargeMapIsLeftInItsJournal) {
+  Octree large(VoxelGrid{0.4});
+  for (int x = -1050; x < 1050; ++x) {
+    for (int y = -1050; y < 1050; ++y) {
+      Leaf& leaf = large.find_or_insert(VoxelKey::from_voxel({x, y, -5}));
+      leaf.covariance = {1e-2F, 0, 0, 1e-2F, 0, 1e-4F};
+      leaf.count = leaf.log_odds = 3;
+    }
+  }
+  save_map(path("map.evm"), large);
+  make_drive("now", 500, false);
+  const auto written = std::filesystem::last_write_time(path("map.evm"));
+  const Result result = interrupt(update("map.evm", "now", "map.evm", {"--force"}), SIGTERM, "10030.bin");
+  EXPECT_EQ(result.exit_code, 128 + SIGTERM) << result.err;
+  EXPECT_NE(result.err.find("in its journal"), std::string::npos) << result.err;
+  EXPECT_EQ(std::filesystem::last_write_time(path("map.evm")), written);
+  EXPECT_EQ(run({"info", name("map.evm")}).exit_code, 0);  // puts in place what the run did
+  const Result log = run({"log", name("map.evm")});
+  EXPECT_NE(log.out.find(" scans"), std::string::npos) << log.out;
+  EXPECT_GT(load_map(path("map.evm")).leaf_count(), large.leaf_count());
 }
 
 TEST_F(InterruptionTest, WhateverIsKilledTheVersionBeforeComesBack) {

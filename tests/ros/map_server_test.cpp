@@ -197,7 +197,7 @@ TEST_F(MapServerTest, KeepsTheMapAndThePlaceForTheNextStart) {
   for (std::size_t i = 0; i < 6; ++i) ASSERT_TRUE(drive_scan(i));
   EXPECT_EQ(command("save"), "save: done");
   EXPECT_EQ(MapHistory(path("map.evm")).versions().size(), 2U);
-  server().finish();
+  server().finish(false);
   EXPECT_LT(error(read_poses(path("map.evm.pose")).poses.back().T_map_sensor,
                   drive().T_map_sensor(5) * kBaseOnSensor),
             0.02);

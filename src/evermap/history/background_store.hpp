@@ -27,6 +27,9 @@ class BackgroundStore {
 
   /// Has the journal written if that is due, of a run that has taken `scans`; asks for the map only then.
   void acknowledge(const std::function<Octree()>& map, std::size_t scans);
+  /// Ends the run; see MapStore::leave. REQUIRES: is_idle(), and that something was acknowledged.
+  void leave(const Octree& map, std::size_t scans) { store_.leave(map, scans); }
+  bool has_journal() const { return store_.has_journal(); }  ///< REQUIRES: is_idle()
   /// Makes a version of the map, and goes on with the run. REQUIRES: is_idle().
   void commit(Octree map, const std::string& what);
   /// Has something else written, which may throw FileError. REQUIRES: is_idle().

@@ -210,9 +210,13 @@ bool MapStore::is_due(std::size_t scans) const {
 
 bool MapStore::acknowledge(const std::function<Octree()>& map, std::size_t scans) {
   if (!is_due(scans)) return false;
-  const auto now = Run::Clock::now();
   if (!run_->is_begun) start_journal();
-  Octree reached = map();
+  write_journal(map(), scans);
+  return true;
+}
+
+void MapStore::write_journal(Octree reached, std::size_t scans) {
+  const auto now = Run::Clock::now();
   run_->journal_bytes +=
       history_->append_to_journal(run_->newest, run_->journaled, reached, scans, run_->cause);
   if (run_->journal_bytes > run_->most_journal_bytes) {
@@ -222,7 +226,13 @@ bool MapStore::acknowledge(const std::function<Octree()>& map, std::size_t scans
   run_->journaled = std::move(reached);
   run_->scans = scans;
   run_->time = now;
-  return true;
+}
+
+bool MapStore::has_journal() const { return run_ != nullptr && run_->is_begun; }
+
+void MapStore::leave(const Octree& map, std::size_t scans) {
+  write_journal(map, scans);
+  run_.reset();
 }
 
 int MapStore::undo() {

@@ -63,6 +63,11 @@ class MapStore {
   bool acknowledge(const std::function<Octree()>& map, std::size_t scans);
   /// Whether acknowledge() would write.
   bool is_due(std::size_t scans) const;
+  /// Whether acknowledge() has written: before, it may have to write the whole map first.
+  bool has_journal() const;
+  /// Ends the run in its journal alone, for who has no time to write the whole map: whoever opens it next
+  /// puts in place what the run made. REQUIRES: has_journal().
+  void leave(const Octree& map, std::size_t scans);
 
   /// Puts the version before in place, as a new version; returns its number.
   int undo();
@@ -78,6 +83,7 @@ class MapStore {
   VersionTable& history();
   void recover();
   void start_journal();
+  void write_journal(Octree reached, std::size_t scans);
   bool read_map();
   void note_outside_change();
   void append_outside_change();

@@ -80,13 +80,16 @@ class MapServer::Node {
     return result;
   }
 
-  void finish() {
+  void finish(bool is_left_to_journal) {
     store_.wait();
     if (counts_.believed > 0) write_tum_poses(options_.last_pose, {{last_time_, T_map_base_}});
+    if (is_left_to_journal && store_.has_journal()) return store_.leave(map(), counts_.used);
     store_.commit(map(), words_of_run());
     store_.wait();
     if (!store_.failure().empty()) throw std::runtime_error(store_.failure());
   }
+
+  Octree map() const { return maintainer_ ? maintainer_->map() : map_; }
 
   const ServerCounts& counts() const { return counts_; }
 
@@ -113,8 +116,6 @@ class MapServer::Node {
   };
 
   static constexpr double kPatience = 0.2;  // [s] that odometry may come later than its cloud
-
-  Octree map() const { return maintainer_ ? maintainer_->map() : map_; }
 
   // ---- What comes in ----
 
@@ -464,7 +465,8 @@ MapServer::MapServer(MapStore& store, Octree map, const Parameters& parameters, 
     : node_(std::make_unique<Node>(store, std::move(map), parameters, cause, options)) {}
 MapServer::~MapServer() = default;
 std::optional<ScanResult> MapServer::step(double seconds) { return node_->step(seconds); }
-void MapServer::finish() { node_->finish(); }
+void MapServer::finish(bool is_left_to_journal) { node_->finish(is_left_to_journal); }
+Octree MapServer::map() const { return node_->map(); }
 const ServerCounts& MapServer::counts() const { return node_->counts(); }
 
 }  // namespace evermap

@@ -59,8 +59,10 @@ class MapServer {
   /// was used. Throws DdsError.
   std::optional<ScanResult> step(double seconds);
 
-  /// Makes the map that the robot left the last version. Throws FileError.
-  void finish();
+  /// Makes the map that the robot left the last version; with `is_left_to_journal`, where there is a journal,
+  /// leaves that to who opens it next. Throws FileError.
+  void finish(bool is_left_to_journal);
+  Octree map() const;
 
   const ServerCounts& counts() const;
 
