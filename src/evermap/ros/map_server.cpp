@@ -84,6 +84,7 @@ class MapServer::Node {
     store_.wait();
     if (counts_.believed > 0) write_tum_poses(options_.last_pose, {{last_time_, T_map_base_}});
     if (is_left_to_journal && store_.has_journal()) return store_.leave(map(), counts_.used);
+    if (is_saved()) return;
     store_.commit(map(), words_of_run());
     store_.wait();
     if (!store_.failure().empty()) throw std::runtime_error(store_.failure());
@@ -128,8 +129,10 @@ class MapServer::Node {
     const auto add_all = [&](DdsReader& reader, const std::string& type, bool is_static) {
       for (const DdsMessage& message : reader.take()) {
         for (const StampedTransform& transform : transforms_in(message, reader.topic(), type)) {
-          has_rival_ = has_rival_ || transform.parent == map_frame_;
-          if (transform.parent != map_frame_) frames_.add(transform, is_static);
+          const bool is_ours = transform.parent == map_frame_ && (transform.child == options_.odom_frame ||
+                                                                  transform.child == options_.base_frame);
+          has_rival_ = has_rival_ || is_ours;
+          if (!is_ours) frames_.add(transform, is_static);
         }
       }
     };
@@ -247,6 +250,7 @@ class MapServer::Node {
                                                    gyroscope_.rotation_of(cloud.frame, frames_, time));
     milliseconds_ = 1e3 * seconds_since(begin);
     ++counts_.used;
+    counts_.written += result.is_written ? 1 : 0;
     state_ = result.state;
     reason_ = result.reject_reason;
     if (result.is_believed()) tell(result, cloud.frame, T_base_sensor, T_odom_sensor);
@@ -341,6 +345,7 @@ class MapServer::Node {
 
   // ---- The map file ----
 
+  bool is_saved() const { return counts_.written == saved_; }
   std::string words_of_run() const { return "serve, " + std::to_string(counts_.used) + " scans"; }
 
   void keep() {
@@ -350,17 +355,17 @@ class MapServer::Node {
                          (store_.failure().empty() ? ": done" : ": failed, " + store_.failure()));
       pending_reply_.clear();
     }
-    if (!pending_commit_.empty() || (saving_.is_over() && counts_.used > saved_)) {
+    if (!pending_commit_.empty() || (saving_.is_over() && !is_saved())) {
       store_.commit(map(), pending_commit_.empty() ? words_of_run() : pending_commit_);
       pending_reply_ = std::exchange(pending_command_, {});
       pending_commit_.clear();
-      saved_ = counts_.used;
+      saved_ = counts_.written;
     } else if (noting_.is_over() && counts_.believed > noted_) {
       noted_ = counts_.believed;
       store_.start([path = options_.last_pose, time = last_time_, pose = T_map_base_] {
         write_tum_poses(path, {{time, pose}});
       });
-    } else if (mode_ == MapMode::kMaintenance) {
+    } else if (!is_saved()) {
       store_.acknowledge([&] { return map(); }, counts_.used);
     }
   }
@@ -394,7 +399,10 @@ class MapServer::Node {
 
   void reset(const std::string& version, const std::string& command) {
     try {
-      map_ = load_map_version(map_path_.string() + "@" + version);
+      Octree earlier = load_map_version(map_path_.string() + "@" + version);
+      if (earlier.grid() != map_.grid() || earlier.frame() != map_.frame())
+        throw FileError(map_path_, "that version has another leaf edge or frame; start again with it");
+      map_ = std::move(earlier);
     } catch (const FileError& error) {
       topics_.send_reply(command + ": failed, " + error.what());
       return;
@@ -456,7 +464,7 @@ class MapServer::Node {
   std::string pending_commit_;   ///< words of a version that is to be made
   std::string pending_command_;  ///< that asked for it
   std::string pending_reply_;    ///< to a command whose version is being made
-  std::size_t saved_ = 0;        ///< scans when the last version was made
+  std::size_t saved_ = 0;        ///< scans in the map when the last version was made
   std::size_t noted_ = 0;        ///< believed scans when the pose was last kept
 };
 

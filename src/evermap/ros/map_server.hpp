@@ -39,6 +39,7 @@ struct ServerCounts {
   std::size_t without_odometry = 0;  ///< nothing told the odometry at their time
   std::size_t foreign = 0;           ///< of a second publisher on the topic
   std::size_t believed = 0;
+  std::size_t written = 0;  ///< into the map
 };
 
 /// The map keeper as a node of ROS 2: takes clouds, transforms and odometry, tells where the robot is, and

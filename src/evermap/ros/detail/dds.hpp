@@ -46,8 +46,8 @@ struct DdsMessage {
 /// A participant in a ROS domain. Topics are named as in ROS: /points. Not thread safe.
 class DdsNode {
  public:
-  /// `is_local`: speaks with this machine alone. The first node of a process decides that for the domain, and must
-  /// outlive the others. Throws DdsError when the network cannot be used.
+  /// `is_local`: speaks with this machine alone. The first node of a process decides that for the domain, and
+  /// must outlive the others. Throws DdsError when the network cannot be used.
   DdsNode(unsigned domain, bool is_local);
 
   dds_entity_t participant() const { return participant_.get(); }
