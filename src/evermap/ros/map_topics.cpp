@@ -24,9 +24,12 @@ struct MapPoint {
   std::int32_t tile[3];  ///< the block it lies in, counted from the map's grid origin
 };
 
-/// The points of a map's tiles as one message.
+/// The points of a map's tiles as one message. Of a map whose message would be larger than DDS takes, one
+/// leaf in so many.
 class CloudOfTiles {
  public:
+  explicit CloudOfTiles(const Octree& map) : one_in_(1 + map.leaf_count() / kMostLeaves) {}
+
   void add_tile(const Octree& map, std::uint64_t block_key) {
     const VoxelKey first = VoxelKey::first_of_block(block_key);
     const Eigen::Vector3i tile = first.voxel() / VoxelKey::kBlockEdge;
@@ -35,8 +38,9 @@ class CloudOfTiles {
       block->for_each([&](int brick_index, const Brick& brick) {
         const VoxelKey brick_key = first.first_of_brick(brick_index);
         brick.for_each([&](int voxel, const Leaf& leaf) {
-          if (leaf.occupied())
-            add_point(map.gaussian(brick_key.with_voxel(voxel), leaf).mean, leaf.log_odds, tile);
+          const VoxelKey key = brick_key.with_voxel(voxel);
+          if (leaf.occupied() && hash_bits(key.bits()) % one_in_ == 0)
+            add_point(map.gaussian(key, leaf).mean, leaf.log_odds, tile);
         });
       });
     }
@@ -60,6 +64,9 @@ class CloudOfTiles {
     points_.push_back({p.x(), p.y(), p.z(), 1 / (1 + std::exp(-log_odds)), {tile.x(), tile.y(), tile.z()}});
   }
 
+  static constexpr std::size_t kMostLeaves = 8'000'000;  // 224 MB
+
+  std::size_t one_in_;
   std::vector<MapPoint> points_;
 };
 
@@ -117,13 +124,13 @@ void MapTopics::send_pose(const ScanResult& scan, const std::string& base, const
 }
 
 void MapTopics::send_map(double time, const Octree& map) {
-  CloudOfTiles cloud;
+  CloudOfTiles cloud(map);
   for (const std::uint64_t block : map.block_keys()) cloud.add_tile(map, block);
   cloud.send_to(map_, time, map_frame_);
 }
 
 void MapTopics::send_updates(double time, const Octree& before, const Octree& after) {
-  CloudOfTiles cloud;
+  CloudOfTiles cloud(after);
   std::set<std::uint64_t> tiles;
   for (const LeafChange& change : changes_between(before, after)) tiles.insert(change.key.block());
   for (const std::uint64_t tile : tiles) cloud.add_tile(after, tile);
