@@ -55,7 +55,7 @@ Localization ClosedLoop::localize_in_grid(const Scan& scan, double time,
     grid_target_ = gaussians_of_grid(mapper_.surface(), edge_);
     outdated_by_ = 0;
   }
-  Localization found = localizer_.propose(grid_target_, scan, time, T_odom_sensor);
+  Localization found = localizer_.propose(grid_target_, scan, time, {T_odom_sensor, {}});
   if (found.is_writable()) {
     mapper_.update(scan, found.T_map_sensor);
     ++outdated_by_;
