@@ -14,17 +14,20 @@ namespace {
 
 // Clouds are large: a socket's usual buffer holds a tenth of one, and a message's usual size makes a thousand
 // of it.
-constexpr const char* kSizes =
-    "<Domain><General><MaxMessageSize>65500B</MaxMessageSize><FragmentSize>65000B</FragmentSize></General>"
-    "<Internal><SocketReceiveBufferSize "
-    "max=\"16MiB\"/><MaxSampleSize>256MiB</MaxSampleSize></Internal></Domain>";
+constexpr const char* kSizes = R"(<Domain>
+  <General><MaxMessageSize>65500B</MaxMessageSize><FragmentSize>65000B</FragmentSize></General>
+  <Internal><SocketReceiveBufferSize max="16MiB"/><MaxSampleSize>256MiB</MaxSampleSize></Internal>
+</Domain>)";
 // Loopback without multicast works everywhere, in containers too.
-constexpr const char* kLocal =
-    "<Domain><General><Interfaces><NetworkInterface name=\"lo\"/></Interfaces>"
-    "<AllowMulticast>false</AllowMulticast></General>"
-    "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>50</"
-    "MaxAutoParticipantIndex>"
-    "<Peers><Peer address=\"127.0.0.1\"/></Peers></Discovery></Domain>";
+constexpr const char* kLocal = R"(<Domain>
+  <General>
+    <Interfaces><NetworkInterface name="lo"/></Interfaces><AllowMulticast>false</AllowMulticast>
+  </General>
+  <Discovery>
+    <ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>50</MaxAutoParticipantIndex>
+    <Peers><Peer address="127.0.0.1"/></Peers>
+  </Discovery>
+</Domain>)";
 
 /// The user's own configuration goes before ours, as with any program on Cyclone DDS.
 std::string configuration(bool is_local) {
