@@ -279,6 +279,26 @@ TEST_F(MapServerTest, OdometryMayBeginAndEndLater) {
   EXPECT_GT(server().counts().without_odometry, 0U);
 }
 
+TEST_F(MapServerTest, AGyroscopeIsHeard) {
+  std::string heard;
+  for (std::size_t i = 0; i < 12; ++i) {
+    server();
+    for (int k = -10; k <= 1; ++k)
+      robot_.send_turn_rate({100 + drive().time(i) + 0.01 * k, kFrame, Eigen::Vector3d::Zero()});
+    server().step(0.1);
+    const std::optional<ScanResult> result = drive_scan(i);
+    ASSERT_TRUE(result);
+    EXPECT_TRUE(i < 3 || result->is_believed());
+  }
+  for (int i = 0; i < 300 && heard.empty(); ++i) {
+    server().step(0.01);
+    for (const DdsMessage& message : ears_.diagnostics.take()) heard += message.bytes;
+  }
+  const std::size_t key = heard.find("gyroscope");
+  ASSERT_NE(key, std::string::npos);
+  EXPECT_EQ(heard.substr(key + 16, 4), "used") << heard.substr(key, 40);
+}
+
 TEST_F(MapServerTest, HearsTheFirstOfTwoSensorsOnOneTopic) {
   ASSERT_TRUE(drive_scan(0));
   ScanPublisher second(domain(), true, "/points", "/odom");
