@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The other vendor: most robots' ROS speaks Fast DDS. Its messages are made here by Fast CDR, whose code has
 // nothing in common with idlc's or ours.
+#include <array>
 #include <chrono>
 #include <cstring>
 #include <fastcdr/Cdr.h>
@@ -205,6 +206,50 @@ TEST(FastDds, HearsTheTransform) {
   EXPECT_EQ(frame, "map");
   EXPECT_EQ(child, "odom");
   EXPECT_EQ(Eigen::Vector3d(x, y, z), Eigen::Vector3d(1, 2, 3));
+}
+
+TEST(FastDds, HearsWhatChangedAsHumblesMarkers) {
+  DdsNode node(other_domain(), true);
+  MapTopics topics(node, "evermap", "map");
+  FastNode other;
+  fast::DataReader* reader = other.reader("/evermap/changes", "visualization_msgs::msg::dds_::MarkerArray_");
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(2, 3, 4));
+  std::string bytes = heard(reader, [&] { topics.send_changes(5, {{false, box, 17}}); });
+  ASSERT_FALSE(bytes.empty());
+  FastBuffer buffer(bytes.data(), bytes.size());
+  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, Cdr::DDS_CDR);
+  cdr.read_encapsulation();
+  std::uint32_t count = 0;
+  std::int32_t seconds = 0;
+  std::uint32_t number = 0;
+  std::string frame;
+  std::string name;
+  std::array<std::int32_t, 3> id_type_action{};
+  std::array<double, 7> pose{};
+  std::array<double, 3> scale{};
+  std::array<float, 4> color{};
+  bool flag = false;
+  std::string empty;
+  std::string words;
+  cdr >> count >> seconds >> number >> frame >> name;
+  for (std::int32_t& value : id_type_action) cdr >> value;
+  for (double& value : pose) cdr >> value;
+  for (double& value : scale) cdr >> value;
+  for (float& value : color) cdr >> value;
+  cdr >> seconds >> number >> flag;
+  for (const char* list : {"points", "colors"}) {
+    cdr >> number;
+    EXPECT_EQ(number, 0U) << list;
+  }
+  cdr >> empty >> seconds >> number >> empty >> empty >> number >> number >> words >> empty >> empty >>
+      number >> flag;
+  EXPECT_EQ(count, 1U);
+  EXPECT_EQ(name, "went");
+  EXPECT_EQ(id_type_action[1], 1);  // a cube
+  EXPECT_EQ(pose[2], 2);
+  EXPECT_EQ(scale[1], 3);
+  EXPECT_TRUE(words.starts_with("went, 17 leaves")) << words;
+  EXPECT_LT(bytes.size() - cdr.getSerializedDataLength(), 4U);  // all but what fills the last four bytes
 }
 
 TEST(FastDds, HearsTheDiagnosis) {

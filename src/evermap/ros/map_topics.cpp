@@ -167,7 +167,9 @@ void MapTopics::send_changes(double time, const std::vector<SurfaceChange>& chan
     }
     marker.lifetime.sec = kLasting;
     marker.text = text(texts.back());
-    marker.mesh_resource = text(empty_);
+    for (char** unused : {&marker.texture_resource, &marker.texture.header.frame_id, &marker.texture.format,
+                          &marker.mesh_resource, &marker.mesh_file.filename})
+      *unused = text(empty_);
     markers.push_back(marker);
   }
   visualization_msgs_msg_dds__MarkerArray_ message{};
