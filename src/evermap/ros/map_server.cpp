@@ -249,6 +249,7 @@ class MapServer::Node {
     const ScanResult result = maintainer_->process(cloud.scan, time, T_odom_sensor,
                                                    gyroscope_.rotation_of(cloud.frame, frames_, time));
     milliseconds_ = 1e3 * seconds_since(begin);
+    last_cloud_ = Clock::now();  // nobody was listened to meanwhile
     ++counts_.used;
     counts_.written += result.is_written ? 1 : 0;
     state_ = result.state;
