@@ -52,7 +52,7 @@ void send(DdsWriter& writer, double time, const std::string& frame, const std::v
   sensor_msgs_msg_dds__PointCloud2_ message{};
   message.header = header_of(time, frame);
   message.height = 1;
-  message.width = static_cast<std::uint32_t>(data.size()) / step;
+  message.width = static_cast<std::uint32_t>(data.size()) / std::max(step, 1U);
   message.fields = view_of<decltype(message.fields)>(entries);
   message.point_step = step;
   message.row_step = static_cast<std::uint32_t>(data.size());
