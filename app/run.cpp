@@ -56,6 +56,8 @@ void forget_stop_signals() {
 
 int stop_signal() { return g_stop_requested; }
 
+int thread_count(int threads) { return threads > 0 ? threads : oneapi::tbb::info::default_concurrency(); }
+
 void end_as(const Run& run) {
   if (run.stopped_by != 0) throw Interrupted(run.stopped_by);
   if (!run.failure.empty()) throw std::runtime_error(run.failure);
@@ -63,7 +65,7 @@ void end_as(const Run& run) {
 
 Run run_over(std::size_t scans, int threads, const std::function<bool(const TakeScan& take)>& next) {
   catch_stop_signals();
-  const int count = threads > 0 ? threads : oneapi::tbb::info::default_concurrency();
+  const int count = thread_count(threads);
   // Without the first, TBB would never start more workers than there are cores.
   const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
                                           static_cast<std::size_t>(count));

@@ -41,6 +41,9 @@ void forget_stop_signals();
 /// The one that came; 0: none did.
 int stop_signal();
 
+/// How many threads are meant; 0: one per core.
+int thread_count(int threads);
+
 /// Ends the program as the run ended, after all is saved: throws Interrupted, or std::runtime_error.
 void end_as(const Run& run);
 

@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/info.h>
 #include <spdlog/spdlog.h>
 
 #include "command_line.hpp"
@@ -54,10 +53,8 @@ void serve(const ServeOptions& options) {
   server_options.T_map_base_initial = options.T_map_base_initial.value_or(last.value_or(Pose{}));
   server_options.last_pose = last_pose_of(options.map);
   if (options.is_localizing_only) server_options.mode = MapMode::kLocalization;
-  const oneapi::tbb::global_control limit(
-      oneapi::tbb::global_control::max_allowed_parallelism,
-      static_cast<std::size_t>(options.threads > 0 ? options.threads
-                                                   : oneapi::tbb::info::default_concurrency()));
+  const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
+                                          static_cast<std::size_t>(thread_count(options.threads)));
   MapServer server(store, std::move(map), parameters, cause_of("serve", server_options.points, parameters),
                    server_options);
   fmt::print("serves {} in ROS domain {}: clouds from {}, the robot's place on /tf and /{}/pose{}\n",

@@ -37,12 +37,7 @@ class ServeTest : public ProgramTest {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     return process;
   }
-  Result play(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments =
-        with_domain({"play", name("drive"), "--odometry", name("drive.txt")});
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run(arguments);
-  }
+  Result play() const { return run(with_domain({"play", name("drive"), "--odometry", name("drive.txt")})); }
 };
 
 TEST_F(ServeTest, AnswersACloudOnTheTransforms) {

@@ -127,6 +127,18 @@ int open_at(int folder, const char* path, int flags, mode_t mode) {
   return static_cast<int>(::syscall(SYS_openat, folder, path, flags, mode));
 }
 
+/// How much of a write is done; 0: it fails.
+std::size_t granted(int descriptor, std::size_t size) {
+  if (!is_below_root(descriptor)) return size;
+  const Fate fate = fate_of(Kind::kWrite);
+  if (fate == Fate::kFail) return 0;
+  return fate == Fate::kHalf && size > 1 ? size / 2 : size;
+}
+
+bool sync_fails(int descriptor) {
+  return is_below_root(descriptor) && may_sync_fail(descriptor) && fate_of(Kind::kSync) != Fate::kPass;
+}
+
 mode_t mode_in(int flags, va_list arguments) {
   return (flags & (O_CREAT | O_TMPFILE)) != 0 ? static_cast<mode_t>(va_arg(arguments, int)) : 0;
 }
@@ -157,32 +169,24 @@ EVERMAP_OPENAT(openat)
 EVERMAP_OPENAT(openat64)
 
 ssize_t write(int descriptor, const void* data, size_t size) {
-  if (is_below_root(descriptor)) {
-    const Fate fate = fate_of(Kind::kWrite);
-    if (fate == Fate::kFail) return fail();
-    if (fate == Fate::kHalf && size > 1) size /= 2;
-  }
-  return ::syscall(SYS_write, descriptor, data, size);
+  const size_t some = granted(descriptor, size);
+  if (some == 0 && size > 0) return fail();
+  return ::syscall(SYS_write, descriptor, data, some);
 }
 ssize_t pwrite64(int descriptor, const void* data, size_t size, off64_t offset) {
-  if (is_below_root(descriptor)) {
-    const Fate fate = fate_of(Kind::kWrite);
-    if (fate == Fate::kFail) return fail();
-    if (fate == Fate::kHalf && size > 1) size /= 2;
-  }
-  return ::syscall(SYS_pwrite64, descriptor, data, size, offset);
+  const size_t some = granted(descriptor, size);
+  if (some == 0 && size > 0) return fail();
+  return ::syscall(SYS_pwrite64, descriptor, data, some, offset);
 }
 ssize_t pwrite(int descriptor, const void* data, size_t size, off_t offset) {
   return pwrite64(descriptor, data, size, offset);
 }
 int fsync(int descriptor) {
-  if (is_below_root(descriptor) && may_sync_fail(descriptor) && fate_of(Kind::kSync) != Fate::kPass)
-    return fail();
+  if (sync_fails(descriptor)) return fail();
   return static_cast<int>(::syscall(SYS_fsync, descriptor));
 }
 int fdatasync(int descriptor) {
-  if (is_below_root(descriptor) && may_sync_fail(descriptor) && fate_of(Kind::kSync) != Fate::kPass)
-    return fail();
+  if (sync_fails(descriptor)) return fail();
   return static_cast<int>(::syscall(SYS_fdatasync, descriptor));
 }
 int rename(const char* from, const char* to) noexcept {

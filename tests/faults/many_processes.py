@@ -3,21 +3,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """many_processes.py PROGRAM SHIM [--minutes M] [--writers N] [--readers N]: processes that change one map, and others that read
 it, all at once. Every change that was reported as done must be a version, and no reader may see damage."""
-import argparse
 import subprocess
 import sys
 import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
-from campaign import Campaign
+from campaign import Campaign, parser_of
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program", type=Path)
-    parser.add_argument("shim", type=Path)
+    parser = parser_of(__doc__)
     parser.add_argument("--minutes", type=float, default=10)
     parser.add_argument("--writers", type=int, default=4)
     parser.add_argument("--readers", type=int, default=4)

@@ -4,7 +4,6 @@
 """power_cuts.py PROGRAM SHIM [--cuts N]: runs verbs on an ext4 file system in an image, and at random moments takes a copy of
 what the device holds: what a power cut leaves, for all that is only in the system's memory is not in it. Each copy is mounted
 and must hold the old map or the new one, every scan that was acknowledged, and all versions. Needs root and loop devices."""
-import argparse
 import os
 import random
 import shutil
@@ -15,7 +14,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from campaign import Campaign, hash_of, scans_told
+from campaign import Campaign, parser_of, scans_told
 
 IMAGE_SIZE = 48 << 20  # bytes
 
@@ -77,11 +76,9 @@ def cut(campaign, verb, right, template, seconds):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program", type=Path)
-    parser.add_argument("shim", type=Path)
-    parser.add_argument("--cuts", type=int, default=300)
+    parser = parser_of(__doc__)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--cuts", type=int, default=300)
     options = parser.parse_args()
     random.seed(options.seed)
     if os.geteuid() != 0:

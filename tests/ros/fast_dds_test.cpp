@@ -179,6 +179,22 @@ std::string heard(fast::DataReader* reader, const std::function<void()>& speak) 
   return {};
 }
 
+/// A message that is a list, up to where its first element goes on after a header and a name.
+struct ListOfStamped {
+  explicit ListOfStamped(std::string& bytes) : buffer(bytes.data(), bytes.size()) {
+    cdr.read_encapsulation();
+    cdr >> count >> seconds >> nanoseconds >> frame >> name;
+  }
+
+  FastBuffer buffer;
+  Cdr cdr{buffer, Cdr::LITTLE_ENDIANNESS, Cdr::DDS_CDR};
+  std::uint32_t count = 0;
+  std::int32_t seconds = 0;
+  std::uint32_t nanoseconds = 0;
+  std::string frame;
+  std::string name;
+};
+
 TEST(FastDds, HearsTheTransform) {
   DdsNode node(other_domain(), true);
   MapTopics topics(node, "evermap", "map");
@@ -188,23 +204,16 @@ TEST(FastDds, HearsTheTransform) {
     topics.send_transform(12.25, "odom", {Eigen::Matrix3d::Identity(), {1, 2, 3}});
   });
   ASSERT_FALSE(bytes.empty());
-  FastBuffer buffer(bytes.data(), bytes.size());
-  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, Cdr::DDS_CDR);
-  cdr.read_encapsulation();
-  std::uint32_t count = 0;
-  std::int32_t seconds = 0;
-  std::uint32_t nanoseconds = 0;
-  std::string frame;
-  std::string child;
+  ListOfStamped transforms(bytes);
   double x = 0;
   double y = 0;
   double z = 0;
-  cdr >> count >> seconds >> nanoseconds >> frame >> child >> x >> y >> z;
-  EXPECT_EQ(count, 1U);
-  EXPECT_EQ(seconds, 12);
-  EXPECT_EQ(nanoseconds, 250000000U);
-  EXPECT_EQ(frame, "map");
-  EXPECT_EQ(child, "odom");
+  transforms.cdr >> x >> y >> z;
+  EXPECT_EQ(transforms.count, 1U);
+  EXPECT_EQ(transforms.seconds, 12);
+  EXPECT_EQ(transforms.nanoseconds, 250000000U);
+  EXPECT_EQ(transforms.frame, "map");
+  EXPECT_EQ(transforms.name, "odom");
   EXPECT_EQ(Eigen::Vector3d(x, y, z), Eigen::Vector3d(1, 2, 3));
 }
 
@@ -216,14 +225,10 @@ TEST(FastDds, HearsWhatChangedAsHumblesMarkers) {
   const Eigen::AlignedBox3d box(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(2, 3, 4));
   std::string bytes = heard(reader, [&] { topics.send_changes(5, {{false, box, 17}}); });
   ASSERT_FALSE(bytes.empty());
-  FastBuffer buffer(bytes.data(), bytes.size());
-  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, Cdr::DDS_CDR);
-  cdr.read_encapsulation();
-  std::uint32_t count = 0;
+  ListOfStamped markers(bytes);
+  Cdr& cdr = markers.cdr;
   std::int32_t seconds = 0;
   std::uint32_t number = 0;
-  std::string frame;
-  std::string name;
   std::array<std::int32_t, 3> id_type_action{};
   std::array<double, 7> pose{};
   std::array<double, 3> scale{};
@@ -231,7 +236,6 @@ TEST(FastDds, HearsWhatChangedAsHumblesMarkers) {
   bool flag = false;
   std::string empty;
   std::string words;
-  cdr >> count >> seconds >> number >> frame >> name;
   for (std::int32_t& value : id_type_action) cdr >> value;
   for (double& value : pose) cdr >> value;
   for (double& value : scale) cdr >> value;
@@ -243,8 +247,8 @@ TEST(FastDds, HearsWhatChangedAsHumblesMarkers) {
   }
   cdr >> empty >> seconds >> number >> empty >> empty >> number >> number >> words >> empty >> empty >>
       number >> flag;
-  EXPECT_EQ(count, 1U);
-  EXPECT_EQ(name, "went");
+  EXPECT_EQ(markers.count, 1U);
+  EXPECT_EQ(markers.name, "went");
   EXPECT_EQ(id_type_action[1], 1);  // a cube
   EXPECT_EQ(pose[2], 2);
   EXPECT_EQ(scale[1], 3);

@@ -106,8 +106,7 @@ class MapServerTest : public FileTest {
     server().step(0.05);
     std::vector<StampedTransform> heard;
     for (const DdsMessage& message : ears_.transforms.take()) {
-      for (const StampedTransform& one :
-           read_transforms({"/tf", "tf2_msgs/TFMessage", Wire::kCdr}, message.bytes))
+      for (const StampedTransform& one : read_transforms(ears_.transforms.topic(), message.bytes))
         if (one.parent == "map") heard.push_back(one);
     }
     return heard;

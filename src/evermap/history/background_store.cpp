@@ -8,6 +8,7 @@
 #include <evermap/history/background_store.hpp>
 
 namespace evermap {
+
 BackgroundStore::BackgroundStore(MapStore& store, const Octree& map, MapCause cause,
                                  const JournalParameters& journal)
     : store_(store), cause_(std::move(cause)), journal_(journal) {

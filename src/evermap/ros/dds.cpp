@@ -59,6 +59,12 @@ DdsEntity configure(unsigned domain, bool is_local) {
 
 std::string name_on_dds(const std::string& topic) { return "rt" + topic; }
 
+/// tf2_msgs/TFMessage of tf2_msgs::msg::dds_::TFMessage_
+std::string type_in_ros(const std::string& name) {
+  const std::size_t last = name.rfind(':') + 1;
+  return name.substr(0, name.find(':')) + "/" + name.substr(last, name.size() - 1 - last);
+}
+
 }  // namespace
 
 DdsEntity::DdsEntity(dds_entity_t entity, const std::string& what) : entity_(entity) {
@@ -67,13 +73,6 @@ DdsEntity::DdsEntity(dds_entity_t entity, const std::string& what) : entity_(ent
 
 DdsEntity::~DdsEntity() {
   if (entity_ > 0) dds_delete(entity_);
-}
-
-DdsEntity::DdsEntity(DdsEntity&& other) noexcept : entity_(std::exchange(other.entity_, 0)) {}
-
-DdsEntity& DdsEntity::operator=(DdsEntity&& other) noexcept {
-  std::swap(entity_, other.entity_);
-  return *this;
 }
 
 DdsNode::DdsNode(unsigned domain, bool is_local)
@@ -88,11 +87,11 @@ void DdsNode::wait(double seconds) {
 
 DdsReader::DdsReader(DdsNode& node, const std::string& topic, const dds_topic_descriptor_t& type,
                      Delivery delivery, int depth)
-    : name_(topic),
+    : topic_{topic, type_in_ros(type.m_typename), Wire::kCdr},
       depth_(static_cast<std::size_t>(depth)),
-      topic_(dds_create_topic(node.participant(), &type, name_on_dds(topic).c_str(), nullptr, nullptr),
-             "topic " + topic),
-      reader_(dds_create_reader(node.participant(), topic_.get(), qos_of(delivery, depth).get(), nullptr),
+      dds_topic_(dds_create_topic(node.participant(), &type, name_on_dds(topic).c_str(), nullptr, nullptr),
+                 "topic " + topic),
+      reader_(dds_create_reader(node.participant(), dds_topic_.get(), qos_of(delivery, depth).get(), nullptr),
               "subscription of " + topic) {
   dds_set_status_mask(reader_.get(), DDS_DATA_AVAILABLE_STATUS);
   dds_waitset_attach(node.waitset_.get(), reader_.get(), 0);

@@ -39,7 +39,7 @@ geometry_msgs_msg_dds__PoseWithCovariance_ with_covariance(const Pose& pose,
 }
 
 void send(DdsWriter& writer, double time, const std::string& frame, const std::vector<PointField>& fields,
-          std::vector<std::uint8_t> data) {
+          std::span<const std::uint8_t> data) {
   constexpr std::uint8_t kInt32 = 5;
   constexpr std::uint8_t kFloat32 = 7;
   std::vector<sensor_msgs_msg_dds__PointField_> entries;
@@ -56,7 +56,7 @@ void send(DdsWriter& writer, double time, const std::string& frame, const std::v
   message.fields = view_of<decltype(message.fields)>(entries);
   message.point_step = step;
   message.row_step = static_cast<std::uint32_t>(data.size());
-  message.data = view_of<decltype(message.data)>(data);
+  message.data = {message.row_step, message.row_step, const_cast<std::uint8_t*>(data.data()), false};
   writer.write(&message);
 }
 

@@ -46,10 +46,10 @@ class MapServer::Node {
         parameters_(parameters),
         map_path_(store.path()),
         map_(std::move(map)),
-        map_frame_(map_.frame().name),
+        map_frame_(map_->frame().name),
         T_map_base_(options.T_map_base_initial),
         mode_(options.mode),
-        store_(store, map_, cause, options.journal),
+        store_(store, *map_, cause, options.journal),
         dds_(options.domain, options.is_local),
         clouds_(dds_, options.points, sensor_msgs_msg_dds__PointCloud2__desc, Delivery::kSensorData, 4),
         transforms_(dds_, "/tf", tf2_msgs_msg_dds__TFMessage__desc, Delivery::kReliable, 100),
@@ -62,8 +62,8 @@ class MapServer::Node {
                   10),
         topics_(dds_, options.name, map_frame_),
         saving_(options.save_period),
-        published_(map_),
-        compared_(map_) {}
+        published_(*map_),
+        compared_(*map_) {}
 
   std::optional<ScanResult> step(double seconds) {
     dds_.wait(waiting_.empty() ? seconds : std::min(seconds, kPatience / 4));
@@ -90,7 +90,7 @@ class MapServer::Node {
     if (!store_.failure().empty()) throw std::runtime_error(store_.failure());
   }
 
-  Octree map() const { return maintainer_ ? maintainer_->map() : map_; }
+  Octree map() const { return maintainer_ ? maintainer_->map() : *map_; }
 
   const ServerCounts& counts() const { return counts_; }
 
@@ -120,15 +120,10 @@ class MapServer::Node {
 
   // ---- What comes in ----
 
-  std::vector<StampedTransform> transforms_in(const DdsMessage& message, const std::string& topic,
-                                              const std::string& type) const {
-    return read_transforms({topic, type, Wire::kCdr}, message.bytes);
-  }
-
   void take_transforms() {
-    const auto add_all = [&](DdsReader& reader, const std::string& type, bool is_static) {
+    const auto add_all = [&](DdsReader& reader, bool is_static) {
       for (const DdsMessage& message : reader.take()) {
-        for (const StampedTransform& transform : transforms_in(message, reader.topic(), type)) {
+        for (const StampedTransform& transform : read_transforms(reader.topic(), message.bytes)) {
           const bool is_ours = transform.parent == map_frame_ && (transform.child == options_.odom_frame ||
                                                                   transform.child == options_.base_frame);
           has_rival_ = has_rival_ || is_ours;
@@ -136,19 +131,17 @@ class MapServer::Node {
         }
       }
     };
-    add_all(static_transforms_, "tf2_msgs/TFMessage", true);
-    add_all(transforms_, "tf2_msgs/TFMessage", false);
-    add_all(odometry_, "nav_msgs/Odometry", false);
+    add_all(static_transforms_, true);
+    add_all(transforms_, false);
+    add_all(odometry_, false);
     for (const DdsMessage& message : imu_.take()) {
-      if (const auto rate = read_turn_rate({imu_.topic(), "sensor_msgs/Imu", Wire::kCdr}, message.bytes))
-        gyroscope_.add(*rate);
+      if (const auto rate = read_turn_rate(imu_.topic(), message.bytes)) gyroscope_.add(*rate);
     }
   }
 
   void take_initial_poses() {
     for (const DdsMessage& message : initial_poses_.take()) {
-      for (const StampedTransform& pose :
-           transforms_in(message, initial_poses_.topic(), "geometry_msgs/PoseWithCovarianceStamped")) {
+      for (const StampedTransform& pose : read_transforms(initial_poses_.topic(), message.bytes)) {
         if (!pose.parent.empty() && pose.parent != map_frame_) {
           topics_.send_reply("initialpose: refused, it is in the frame " + pose.parent + ", the map in " +
                              map_frame_);
@@ -166,9 +159,8 @@ class MapServer::Node {
     counts_.stale += messages.size() - 1;
     last_cloud_ = Clock::now();
     try {
-      waiting_.push_back({read_cloud_message({clouds_.topic(), "sensor_msgs/PointCloud2", Wire::kCdr},
-                                             messages.back().bytes, clouds_.topic()),
-                          Clock::now()});
+      waiting_.push_back(
+          {read_cloud_message(clouds_.topic(), messages.back().bytes, clouds_.topic().name), Clock::now()});
     } catch (const FileError& error) {
       ++counts_.damaged;
       fault_ = error.what();
@@ -211,7 +203,11 @@ class MapServer::Node {
   void restart_at(const Pose& T_map_base) {
     T_map_base_ = T_map_base;
     T_map_odom_.reset();
-    is_to_restart_ = true;
+    begin_anew(map());
+  }
+  void begin_anew(Octree map) {
+    map_ = std::move(map);
+    maintainer_.reset();
   }
 
   std::optional<ScanResult> process(CloudMessage cloud) {
@@ -238,9 +234,9 @@ class MapServer::Node {
     const Pose T_base_sensor = T_sensor_base.value_or(Pose{}).inverse();
     if (is_gap && T_map_odom_ && T_odom_sensor)
       T_map_base_ = *T_map_odom_ * *T_odom_sensor * T_base_sensor.inverse();
-    if (is_to_restart_ || is_gap || uses_odometry_ != T_odom_sensor.has_value())
+    if (!maintainer_ || is_gap || uses_odometry_ != T_odom_sensor.has_value())
       maintainer_ = std::make_unique<MapMaintainer>(map(), parameters_, mode_, T_map_base_ * T_base_sensor);
-    is_to_restart_ = false;
+    map_.reset();
     has_begun_ = true;
     uses_odometry_ = T_odom_sensor.has_value();
     last_time_ = time;
@@ -401,15 +397,13 @@ class MapServer::Node {
   void reset(const std::string& version, const std::string& command) {
     try {
       Octree earlier = load_map_version(map_path_.string() + "@" + version);
-      if (earlier.grid() != map_.grid() || earlier.frame() != map_.frame())
+      if (earlier.grid() != compared_.grid() || earlier.frame() != compared_.frame())
         throw FileError(map_path_, "that version has another leaf edge or frame; start again with it");
-      map_ = std::move(earlier);
+      begin_anew(std::move(earlier));
     } catch (const FileError& error) {
       topics_.send_reply(command + ": failed, " + error.what());
       return;
     }
-    maintainer_.reset();
-    is_to_restart_ = true;
     pending_commit_ = "reset to version " + version;
     pending_command_ = command;
   }
@@ -417,7 +411,7 @@ class MapServer::Node {
   ServerOptions options_;
   Parameters parameters_;
   std::filesystem::path map_path_;
-  Octree map_;  ///< until the maintainer has it
+  std::optional<Octree> map_;  ///< that the next maintainer begins with; none while there is one
   std::string map_frame_;
   Pose T_map_base_;                 ///< where the base was last believed to be
   std::optional<Pose> T_map_odom_;  ///< at that time
@@ -440,8 +434,7 @@ class MapServer::Node {
   std::uint64_t sensor_ = 0;          ///< who sends the clouds
   Clock::time_point last_cloud_ = Clock::now();
   std::string base_;                           ///< frame whose pose is told
-  std::unique_ptr<MapMaintainer> maintainer_;  ///< from the first cloud on
-  bool is_to_restart_ = true;
+  std::unique_ptr<MapMaintainer> maintainer_;  ///< none until a cloud comes to begin with
   bool has_begun_ = false;
   bool uses_odometry_ = false;
   bool has_rival_ = false;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <iterator>
 #include <set>
 #include <unordered_map>
@@ -51,11 +50,9 @@ class CloudOfTiles {
   bool empty() const { return points_.empty(); }
 
   void send_to(DdsWriter& writer, double time, const std::string& frame) const {
-    std::vector<std::uint8_t> data(points_.size() * sizeof(MapPoint));
-    if (!points_.empty()) std::memcpy(data.data(), points_.data(), data.size());
     send(writer, time, frame,
          {{"x"}, {"y"}, {"z"}, {"probability"}, {"tile_x", false}, {"tile_y", false}, {"tile_z", false}},
-         std::move(data));
+         {reinterpret_cast<const std::uint8_t*>(points_.data()), points_.size() * sizeof(MapPoint)});
   }
 
  private:

@@ -63,7 +63,7 @@ void ScanPublisher::send_cloud(const Scan& scan, const std::string& frame) {
   std::vector<PointField> fields = {{"x"}, {"y"}, {"z"}};
   if (is_timed) fields.push_back({"time"});
   // Drivers stamp the begin of a sweep, from which its points' times count.
-  send(topics_->clouds, *scan.time - latest, frame, fields, std::move(data));
+  send(topics_->clouds, *scan.time - latest, frame, fields, data);
 }
 
 void ScanPublisher::send_transforms(const std::vector<StampedTransform>& transforms, bool is_static) {
@@ -103,7 +103,7 @@ std::vector<StampedTransform> ScanPublisher::listen(double seconds) {
   topics_->node.wait(seconds);
   std::vector<StampedTransform> heard;
   for (const DdsMessage& message : topics_->others.take()) {
-    for (StampedTransform& one : read_transforms({"/tf", "tf2_msgs/TFMessage", Wire::kCdr}, message.bytes))
+    for (StampedTransform& one : read_transforms(topics_->others.topic(), message.bytes))
       heard.push_back(std::move(one));
   }
   return heard;

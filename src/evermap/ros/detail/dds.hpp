@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <evermap/bags/detail/bag_reader.hpp>
+
 namespace evermap {
 
 /// What DDS refused, with its own word for it.
@@ -28,8 +30,8 @@ class DdsEntity {
   /// Takes the entity; throws DdsError when there is none, naming `what` was to be made.
   DdsEntity(dds_entity_t entity, const std::string& what);
   ~DdsEntity();
-  DdsEntity(DdsEntity&& other) noexcept;
-  DdsEntity& operator=(DdsEntity&& other) noexcept;
+  DdsEntity(const DdsEntity&) = delete;
+  DdsEntity& operator=(const DdsEntity&) = delete;
 
   dds_entity_t get() const { return entity_; }
 
@@ -72,12 +74,13 @@ class DdsReader {
   std::vector<DdsMessage> take();
   /// How many send to this topic now.
   std::size_t writers() const;
-  const std::string& topic() const { return name_; }
+  /// Its name and type, as the readers of messages want them told.
+  const BagTopic& topic() const { return topic_; }
 
  private:
-  std::string name_;
+  BagTopic topic_;
   std::size_t depth_;
-  DdsEntity topic_;
+  DdsEntity dds_topic_;
   DdsEntity reader_;
 };
 

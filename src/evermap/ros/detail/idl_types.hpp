@@ -3,6 +3,7 @@
 #pragma once
 
 #include <ros_messages.h>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,7 @@ struct PointField {
 };
 /// Sends points, `data` holding the values of each in the order of the fields, as sensor_msgs/PointCloud2.
 void send(DdsWriter& writer, double time, const std::string& frame, const std::vector<PointField>& fields,
-          std::vector<std::uint8_t> data);
+          std::span<const std::uint8_t> data);
 /// tf2_msgs/TFMessage
 void send(DdsWriter& writer, const std::vector<StampedTransform>& transforms);
 /// nav_msgs/Odometry, whose twist is unknown
