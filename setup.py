@@ -19,7 +19,7 @@ class BuildByCMake(build_ext):
         build = Path(self.build_temp).resolve()
         options = {"CMAKE_BUILD_TYPE": "Release", "Python_EXECUTABLE": sys.executable, "EVERMAP_BUILD_PYTHON": "ON",
                    "EVERMAP_BUILD_APP": "OFF", "EVERMAP_BUILD_TESTS": "OFF", "EVERMAP_BUILD_EXAMPLES": "OFF",
-                   "EVERMAP_BUILD_BENCHMARKS": "OFF", "EVERMAP_BUILD_OCTOMAP": "OFF", "EVERMAP_BUILD_ROS": "OFF"}
+                   "EVERMAP_BUILD_BENCHMARKS": "OFF", "EVERMAP_BUILD_OCTOMAP": "OFF", "EVERMAP_BUILD_ROS": "OFF", "EVERMAP_BUILD_WEB": "OFF"}
         subprocess.run(["cmake", "-S", SOURCE, "-B", build, "-G", "Ninja", *(f"-D{k}={v}" for k, v in options.items())],
                        check=True)
         subprocess.run(["cmake", "--build", build, "--target", "evermap_python", "--parallel", str(os.cpu_count())], check=True)

@@ -55,6 +55,7 @@ void run_diff(const DiffOptions& options) {
     make_folder(options.report);
     write_json(options.report / "report.json", to_json(change));
     write_pictures(options.report, before, after, change.difference);
+    write_viewer(options.report, change, before, after);
   }
   if (!options.cloud.empty()) write_cloud(options.cloud, change.difference, before, after);
   fmt::print("{}", options.as_json ? dump(to_json(change)) : to_text(change));

@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
                                      evermap::add_localize(app);
                                      evermap::add_serve(app);
                                      evermap::add_play(app);
+                                     evermap::add_view(app);
                                      evermap::add_export(app);
                                      evermap::add_info(app);
                                      evermap::add_config(app);

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <evermap/io/detail/atomic_file.hpp>
+#include <evermap/web/map_page.hpp>
 
 namespace evermap {
 namespace {
@@ -125,6 +126,13 @@ std::string to_text(const MapChange& change) {
 }
 
 std::string to_text(const ChangeReport& report) { return to_text(report.change) + to_text(report.run); }
+
+void write_viewer(const std::filesystem::path& folder, const MapChange& change, const Octree& before,
+                  const Octree& after) {
+  AtomicFile file(folder / kViewerName);
+  file.write(page_with_map(after, before, change.map.filename().string()));
+  file.commit();
+}
 
 std::string dump(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 

@@ -50,6 +50,11 @@ std::string to_text(const Run& run);
 std::string to_text(const MapChange& change);
 std::string to_text(const ChangeReport& report);
 
+/// The page with both maps, which opens from disk: `folder`/viewer.html. Throws FileError.
+inline constexpr const char* kViewerName = "viewer.html";
+void write_viewer(const std::filesystem::path& folder, const MapChange& change, const Octree& before,
+                  const Octree& after);
+
 /// With a line break at the end; what is no UTF-8 (in a path, say) is replaced.
 std::string dump(const Json& json);
 /// Throws FileError when the file cannot be written.

@@ -1,11 +1,16 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
 #include <cstdio>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <systemd/sd-daemon.h>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
@@ -16,9 +21,11 @@
 #include "ros_options.hpp"
 #include "run.hpp"
 #include "verbs.hpp"
+#include "web_options.hpp"
 #include <evermap/history/map_store.hpp>
 #include <evermap/io/poses.hpp>
 #include <evermap/ros/map_server.hpp>
+#include <evermap/web/live_page.hpp>
 
 namespace evermap {
 namespace {
@@ -28,6 +35,8 @@ struct ServeOptions {
   ServerOptions server;
   std::optional<Pose> T_map_base_initial;
   bool is_localizing_only = false;
+  PageOptions page;
+  bool has_page = true;
   int threads = 0;      ///< 0: one per core
   double patience = 0;  ///< [s]
   ParameterOptions parameters;
@@ -41,6 +50,72 @@ std::optional<Pose> read_last_pose(const std::filesystem::path& map) {
   if (!std::filesystem::exists(last_pose_of(map), error)) return std::nullopt;
   return read_poses(last_pose_of(map)).poses.back().T_map_sensor;
 }
+
+/// The robot, and who looks at it in a browser.
+class Watch {
+ public:
+  Watch(const ServeOptions& options, const MapServer& server) {
+    if (!options.has_page) return;
+    try {
+      page_ = std::make_unique<LivePage>(
+          options.map, server.map(), web_options_of(options.page),
+          [this](const std::string& command, std::function<void(std::string)> reply) {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            commands_.push_back({command, std::move(reply)});
+          });
+      print_address(page_->server());
+    } catch (const WebError& error) {  // a robot needs its map more than a page
+      spdlog::warn("{}; goes on without the page", error.what());
+    }
+  }
+
+  void follow(MapServer& server, const std::optional<ScanResult>& result) {
+    if (!page_) return;
+    for (Command& command : take_commands()) server.command(command.text, std::move(command.reply));
+    const Clock::time_point now = Clock::now();
+    if (!result && now - told_ < kPause) return;
+    told_ = now;
+    tell(server, result);
+    if (!page_->is_watched()) return;
+    if (result && result->is_believed()) page_->show_scan(server.p_sensor_of_last(), result->T_map_sensor);
+    if (now - shown_ < kShow || !page_->is_ready()) return;
+    shown_ = now;
+    page_->show(server.map());
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Command {
+    std::string text;
+    std::function<void(std::string)> reply;
+  };
+  static constexpr std::chrono::milliseconds kPause{500};  ///< between words without a scan
+  static constexpr std::chrono::milliseconds kShow{100};   ///< between maps that are compared
+
+  std::vector<Command> take_commands() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return std::exchange(commands_, {});
+  }
+
+  void tell(const MapServer& server, const std::optional<ScanResult>& result) {
+    if (result)
+      last_ = {result->time, std::string(to_string(result->state)), 0, "", result->is_believed(), {}, {}};
+    const Diagnosis diagnosis = server.diagnosis();
+    last_.level = diagnosis.level;
+    last_.message = diagnosis.message;
+    last_.values = diagnosis.values;
+    last_.T_map_base = server.T_map_base();
+    if (!result && diagnosis.level != Diagnosis::kOk) last_.is_believed = false;
+    page_->tell(last_);
+  }
+
+  RobotStatus last_{0, "waiting", 1, "", false, {}, {}};
+  std::mutex mutex_;
+  std::vector<Command> commands_;
+  Clock::time_point told_;
+  Clock::time_point shown_;
+  std::unique_ptr<LivePage> page_;
+};
 
 void serve(const ServeOptions& options) {
   catch_stop_signals();
@@ -61,12 +136,14 @@ void serve(const ServeOptions& options) {
              options.map.string(), server_options.domain, server_options.points, server_options.name,
              last ? "; it begins where the robot was last" : "");
   std::fflush(stdout);
+  Watch watch(options, server);
   sd_notify(0, "READY=1");
   TrackingState state = TrackingState::kStarting;
   while (stop_signal() == 0) {
     constexpr double kStep = 0.1;  // [s] to look for a signal
     const std::optional<ScanResult> result = server.step(kStep);
     sd_notify(0, "WATCHDOG=1");
+    watch.follow(server, result);
     if (!result || result->state == state) continue;
     state = result->state;
     sd_notifyf(0, "STATUS=%s", std::string(to_string(state)).c_str());
@@ -116,6 +193,8 @@ void add_serve(CLI::App& app) {
       ->check(CLI::PositiveNumber)
       ->type_name("S")
       ->capture_default_str();
+  add_page_options(*verb, options->page);
+  verb->add_flag("!--no-page", options->has_page, "Serve no page");
   add_sync_option(*verb, options->server.journal);
   add_threads_option(*verb, options->threads);
   add_mode_option(*verb, options->parameters);

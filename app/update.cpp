@@ -52,7 +52,9 @@ void write_report(const std::filesystem::path& folder, const ChangeReport& repor
                   const Octree& after) {
   write_json(folder / "report.json", to_json(report));
   // Whoever interrupts waits for the end: of a large map, pictures take longer than saving it.
-  if (report.run.stopped_by == 0) write_pictures(folder, before, after, report.change.difference);
+  if (report.run.stopped_by != 0) return;
+  write_pictures(folder, before, after, report.change.difference);
+  write_viewer(folder, report.change, before, after);
 }
 
 void run_update(const UpdateOptions& options) {

@@ -27,5 +27,6 @@ void add_evaluate(CLI::App& app);
 void add_play(CLI::App& app);
 void add_serve(CLI::App& app);
 void add_simulate(CLI::App& app);
+void add_view(CLI::App& app);
 
 }  // namespace evermap

@@ -19,7 +19,7 @@ set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "${PROJECT_DESCRIPTION}\n The program: m
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libevermap-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 # All that find_package(evermap) looks for: the libraries are static, and all components are there.
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libtbb-dev, libxxhash-dev, libembree-dev, liboctomap-dev, libnanoflann-dev, libyaml-cpp-dev, libfmt-dev, libsqlite3-dev, cyclonedds-dev, liblz4-dev, libzstd-dev, libbz2-dev, zlib1g-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libtbb-dev, libxxhash-dev, libembree-dev, liboctomap-dev, libnanoflann-dev, libyaml-cpp-dev, libfmt-dev, libsqlite3-dev, cyclonedds-dev, liblz4-dev, libzstd-dev, libbz2-dev, zlib1g-dev, libboost-dev, libssl-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "${PROJECT_DESCRIPTION}\n Headers and static libraries, found by find_package(evermap).")
 
 if(EVERMAP_BUILD_PYTHON)

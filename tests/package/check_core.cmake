@@ -30,7 +30,7 @@ file(COPY ${libraries} DESTINATION ${WORK}/core/src/evermap)
 run(${CMAKE_COMMAND} --build ${WORK}/core --target evermap_files)
 run(${CMAKE_COMMAND} --install ${WORK}/core)
 file(GLOB_RECURSE installed RELATIVE ${WORK}/prefix ${WORK}/prefix/*.a)
-if(installed MATCHES "bags|config|evaluation|octomap|ros|simulation|yaml")
+if(installed MATCHES "bags|config|evaluation|octomap|ros|simulation|web|yaml")
   message(FATAL_ERROR "the core alone has ${installed}")
 endif()
 run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/consumer ${common} -DCMAKE_PREFIX_PATH=${WORK}/prefix

@@ -43,7 +43,9 @@ bool MapHistory::is_unfinished() const {
   return (!all.empty() && !all.back().is_in_place) || table_->has_journal();
 }
 
-Octree MapHistory::checkout(int number) const { return table_->checkout(number); }
+Octree MapHistory::checkout(int number, const VersionVisitor& visit) const {
+  return table_->checkout(number, visit);
+}
 
 Octree load_map_version(const std::filesystem::path& map) {
   const std::string name = map.string();

@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,6 +38,11 @@ struct MapVersion {
 };
 
 class VersionTable;
+struct LeafChange;
+
+/// Is told how a version came about, part by part: the map as it was before the part, and what changes.
+using VersionVisitor =
+    std::function<void(const MapVersion& version, const Octree& before, std::span<const LeafChange> changes)>;
 
 /// The versions of a map, kept beside it in `map.evm.history`, a database of SQLite: the first as a whole,
 /// each other as what changed. Reads only; MapStore writes. Throws FileError.
@@ -56,7 +63,8 @@ class MapHistory {
   /// The version of this number or tag; throws FileError when there is none.
   int number_of(const std::string& name) const;
   /// The map as it was, bit for bit; throws FileError when what is kept of it is damaged.
-  Octree checkout(int number) const;
+  /// `visit` sees it come about, from the last version on that was stored as a whole.
+  Octree checkout(int number, const VersionVisitor& visit = {}) const;
 
  private:
   std::unique_ptr<VersionTable> table_;

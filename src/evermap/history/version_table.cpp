@@ -193,9 +193,12 @@ void VersionTable::for_each_part(const StoredVersion& version,
                                         ": a part of its changes is missing; " + kAdvice);
 }
 
-void VersionTable::apply(const StoredVersion& version, Octree& octree) {
+void VersionTable::apply(const StoredVersion& version, Octree& octree, const VersionVisitor& visit) {
   if (version.is_whole) octree = Octree(version.grid, version.frame);
-  for_each_part(version, [&](std::span<const LeafChange> changes) { apply_changes(changes, octree); });
+  for_each_part(version, [&](std::span<const LeafChange> changes) {
+    if (visit) visit(version, octree, changes);
+    apply_changes(changes, octree);
+  });
 }
 
 void VersionTable::check(const StoredVersion& version, const Octree& octree) const {
@@ -204,17 +207,17 @@ void VersionTable::check(const StoredVersion& version, const Octree& octree) con
                   "version " + std::to_string(version.number) + " is not what was written; " + kAdvice);
 }
 
-Octree VersionTable::checkout(int number) {
+Octree VersionTable::checkout(int number, const VersionVisitor& visit) {
   const std::vector<StoredVersion> all = versions();
   const auto end =
       std::find_if(all.begin(), all.end(), [&](const StoredVersion& v) { return v.number > number; });
   auto begin = end;
   while (begin != all.begin() && !(--begin)->is_whole) {
   }
-  if (begin == end || !begin->is_whole)
+  if (begin == end || !begin->is_whole || std::prev(end)->number != number)
     throw FileError(database_.path(), "holds no version " + std::to_string(number));
   Octree octree(begin->grid, begin->frame);
-  for (auto version = begin; version != end; ++version) apply(*version, octree);
+  for (auto version = begin; version != end; ++version) apply(*version, octree, visit);
   check(*std::prev(end), octree);
   return octree;
 }

@@ -93,11 +93,89 @@ class MapServer::Node {
   Octree map() const { return maintainer_ ? maintainer_->map() : *map_; }
 
   const ServerCounts& counts() const { return counts_; }
+  const Pose& T_map_base() const { return T_map_base_; }
+  const std::vector<Eigen::Vector3d>& p_sensor_of_last() const { return p_sensor_of_last_; }
+
+  using Reply = std::function<void(const std::string& reply)>;
+
+  void command(const std::string& text, Reply reply) {
+    std::istringstream words(text);
+    std::string verb;
+    std::string version;
+    words >> verb >> version;
+    if (verb == "save") {
+      answer_when_done(words_of_run(), text, std::move(reply));
+    } else if (verb == "pause" || verb == "resume") {
+      mode_ = verb == "pause" ? MapMode::kLocalization : MapMode::kMaintenance;
+      if (maintainer_) maintainer_->set_mode(mode_);
+      reply(text + ": done");
+    } else if (verb == "relocalize") {
+      restart_at(T_map_base_);
+      reply(text + ": done");
+    } else if (verb == "reset" && !version.empty()) {
+      reset(version, text, std::move(reply));
+    } else {
+      reply(text + ": unknown; there are save, pause, resume, relocalize and reset VERSION");
+    }
+  }
+
+  Diagnosis diagnosis() const {
+    Diagnosis diagnosis;
+    const double silence = seconds_since(last_cloud_);
+    if (!store_.failure().empty()) {
+      diagnosis = {Diagnosis::kError, "the map cannot be saved: " + store_.failure(), {}};
+    } else if (!has_begun_ || silence > kSilence) {
+      diagnosis = {Diagnosis::kWarning, "no cloud comes on " + options_.points, {}};
+    } else if (state_ == TrackingState::kLost) {
+      diagnosis = {Diagnosis::kError, "lost: the scan " + std::string(to_string(reason_)), {}};
+    } else if (state_ != TrackingState::kTracking || reason_ != RejectReason::kNone) {
+      diagnosis.level = Diagnosis::kWarning;
+      diagnosis.message = std::string(to_string(state_));
+      if (reason_ != RejectReason::kNone)
+        diagnosis.message += ": the scan " + std::string(to_string(reason_));
+    } else if (has_rival_) {
+      diagnosis = {Diagnosis::kWarning, "another node tells where " + map_frame_ + " is, too, on /tf", {}};
+    } else if (clouds_.writers() > 1) {
+      diagnosis = {Diagnosis::kWarning,
+                   std::to_string(clouds_.writers()) + " publish on " + options_.points + "; one is used",
+                   {}};
+    } else {
+      diagnosis.message = std::string(to_string(state_));
+    }
+    const auto add = [&](const char* key, const auto& value) {
+      std::ostringstream words;
+      words << value;
+      diagnosis.values.emplace_back(key, words.str());
+    };
+    add("state", to_string(state_));
+    add("map is maintained", mode_ == MapMode::kMaintenance ? "yes" : "no");
+    add("pose of", has_begun_ && base_ != options_.base_frame
+                       ? base_ + ", for /tf does not connect it with " + options_.base_frame
+                       : base_);
+    add("odometry", uses_odometry_ ? "used" : "none");
+    add("gyroscope", gyroscope_.empty()               ? "none"
+                     : gyroscope_.reaches(last_time_) ? "used"
+                                                      : "tells no turn at the clouds' times");
+    add("clouds used", counts_.used);
+    add("clouds believed", counts_.believed);
+    add("clouds too old when their turn came", counts_.stale);
+    add("clouds not later than the one before", counts_.not_later);
+    add("clouds damaged", counts_.damaged);
+    add("clouds without odometry at their time", counts_.without_odometry);
+    add("clouds of another publisher", counts_.foreign);
+    add("last damage", fault_);
+    add("milliseconds for the last cloud", milliseconds_);
+    return diagnosis;
+  }
 
  private:
   struct WaitingCloud {
     CloudMessage message;
     Clock::time_point arrival;
+  };
+  struct PendingCommand {
+    std::string text;
+    Reply reply;
   };
 
   /// Tells when something that is done again and again is to be done.
@@ -251,6 +329,7 @@ class MapServer::Node {
     state_ = result.state;
     reason_ = result.reject_reason;
     if (result.is_believed()) tell(result, cloud.frame, T_base_sensor, T_odom_sensor);
+    p_sensor_of_last_ = std::move(cloud.scan.p_sensor);
     return result;
   }
 
@@ -291,55 +370,6 @@ class MapServer::Node {
     changes_ = in_background([before, after = compared_] { return surface_changes(before, after); });
   }
 
-  Diagnosis diagnosis() {
-    Diagnosis diagnosis;
-    const double silence = seconds_since(last_cloud_);
-    if (!store_.failure().empty()) {
-      diagnosis = {Diagnosis::kError, "the map cannot be saved: " + store_.failure(), {}};
-    } else if (!has_begun_ || silence > kSilence) {
-      diagnosis = {Diagnosis::kWarning, "no cloud comes on " + options_.points, {}};
-    } else if (state_ == TrackingState::kLost) {
-      diagnosis = {Diagnosis::kError, "lost: the scan " + std::string(to_string(reason_)), {}};
-    } else if (state_ != TrackingState::kTracking || reason_ != RejectReason::kNone) {
-      diagnosis.level = Diagnosis::kWarning;
-      diagnosis.message = std::string(to_string(state_));
-      if (reason_ != RejectReason::kNone)
-        diagnosis.message += ": the scan " + std::string(to_string(reason_));
-    } else if (has_rival_) {
-      diagnosis = {Diagnosis::kWarning, "another node tells where " + map_frame_ + " is, too, on /tf", {}};
-    } else if (clouds_.writers() > 1) {
-      diagnosis = {Diagnosis::kWarning,
-                   std::to_string(clouds_.writers()) + " publish on " + options_.points + "; one is used",
-                   {}};
-    } else {
-      diagnosis.message = std::string(to_string(state_));
-    }
-    const auto add = [&](const char* key, const auto& value) {
-      std::ostringstream words;
-      words << value;
-      diagnosis.values.emplace_back(key, words.str());
-    };
-    add("state", to_string(state_));
-    add("map is maintained", mode_ == MapMode::kMaintenance ? "yes" : "no");
-    add("pose of", has_begun_ && base_ != options_.base_frame
-                       ? base_ + ", for /tf does not connect it with " + options_.base_frame
-                       : base_);
-    add("odometry", uses_odometry_ ? "used" : "none");
-    add("gyroscope", gyroscope_.empty()               ? "none"
-                     : gyroscope_.reaches(last_time_) ? "used"
-                                                      : "tells no turn at the clouds' times");
-    add("clouds used", counts_.used);
-    add("clouds believed", counts_.believed);
-    add("clouds too old when their turn came", counts_.stale);
-    add("clouds not later than the one before", counts_.not_later);
-    add("clouds damaged", counts_.damaged);
-    add("clouds without odometry at their time", counts_.without_odometry);
-    add("clouds of another publisher", counts_.foreign);
-    add("last damage", fault_);
-    add("milliseconds for the last cloud", milliseconds_);
-    return diagnosis;
-  }
-
   // ---- The map file ----
 
   bool is_saved() const { return counts_.written == saved_; }
@@ -347,14 +377,11 @@ class MapServer::Node {
 
   void keep() {
     if (!store_.is_idle()) return;
-    if (!pending_reply_.empty()) {
-      topics_.send_reply(pending_reply_ +
-                         (store_.failure().empty() ? ": done" : ": failed, " + store_.failure()));
-      pending_reply_.clear();
-    }
+    for (const PendingCommand& done : std::exchange(under_way_, {}))
+      done.reply(done.text + (store_.failure().empty() ? ": done" : ": failed, " + store_.failure()));
     if (!pending_commit_.empty() || (saving_.is_over() && !is_saved())) {
       store_.commit(map(), pending_commit_.empty() ? words_of_run() : pending_commit_);
-      pending_reply_ = std::exchange(pending_command_, {});
+      under_way_ = std::exchange(pending_commands_, {});
       pending_commit_.clear();
       saved_ = counts_.written;
     } else if (noting_.is_over() && counts_.believed > noted_) {
@@ -370,42 +397,26 @@ class MapServer::Node {
   void take_commands() {
     for (const DdsMessage& message : commands_.take()) {
       WireReader reader(message.bytes, Wire::kCdr);
-      const std::string command(reader.text());
-      std::istringstream words(command);
-      std::string verb;
-      std::string version;
-      words >> verb >> version;
-      if (verb == "save") {
-        pending_commit_ = words_of_run();
-        pending_command_ = command;  // answered when it is done
-      } else if (verb == "pause" || verb == "resume") {
-        mode_ = verb == "pause" ? MapMode::kLocalization : MapMode::kMaintenance;
-        if (maintainer_) maintainer_->set_mode(mode_);
-        topics_.send_reply(command + ": done");
-      } else if (verb == "relocalize") {
-        restart_at(T_map_base_);
-        topics_.send_reply(command + ": done");
-      } else if (verb == "reset" && !version.empty()) {
-        reset(version, command);
-      } else {
-        topics_.send_reply(command +
-                           ": unknown; there are save, pause, resume, relocalize and reset VERSION");
-      }
+      command(std::string(reader.text()), [this](const std::string& reply) { topics_.send_reply(reply); });
     }
   }
 
-  void reset(const std::string& version, const std::string& command) {
+  /// Has a version made; whoever asked for it is told when it is.
+  void answer_when_done(std::string words, const std::string& command, Reply reply) {
+    pending_commit_ = std::move(words);
+    pending_commands_.push_back({command, std::move(reply)});
+  }
+
+  void reset(const std::string& version, const std::string& command, Reply reply) {
     try {
       Octree earlier = load_map_version(map_path_.string() + "@" + version);
       if (earlier.grid() != compared_.grid() || earlier.frame() != compared_.frame())
         throw FileError(map_path_, "that version has another leaf edge or frame; start again with it");
       begin_anew(std::move(earlier));
     } catch (const FileError& error) {
-      topics_.send_reply(command + ": failed, " + error.what());
-      return;
+      return reply(command + ": failed, " + error.what());
     }
-    pending_commit_ = "reset to version " + version;
-    pending_command_ = command;
+    answer_when_done("reset to version " + version, command, std::move(reply));
   }
 
   ServerOptions options_;
@@ -445,6 +456,7 @@ class MapServer::Node {
   double milliseconds_ = 0;
   std::string fault_;
   ServerCounts counts_;
+  std::vector<Eigen::Vector3d> p_sensor_of_last_;  ///< [m]
 
   Period publishing_{1};
   Period diagnosing_{1};
@@ -455,11 +467,11 @@ class MapServer::Node {
   Octree compared_;   ///< as it was when changes were last told
   std::size_t map_readers_ = 0;
   std::future<std::vector<SurfaceChange>> changes_;
-  std::string pending_commit_;   ///< words of a version that is to be made
-  std::string pending_command_;  ///< that asked for it
-  std::string pending_reply_;    ///< to a command whose version is being made
-  std::size_t saved_ = 0;        ///< scans in the map when the last version was made
-  std::size_t noted_ = 0;        ///< believed scans when the pose was last kept
+  std::string pending_commit_;                    ///< words of a version that is to be made
+  std::vector<PendingCommand> pending_commands_;  ///< that asked for it
+  std::vector<PendingCommand> under_way_;         ///< whose version is being made
+  std::size_t saved_ = 0;                         ///< scans in the map when the last version was made
+  std::size_t noted_ = 0;                         ///< believed scans when the pose was last kept
 };
 
 MapServer::MapServer(MapStore& store, Octree map, const Parameters& parameters, const MapCause& cause,
@@ -469,6 +481,12 @@ MapServer::~MapServer() = default;
 std::optional<ScanResult> MapServer::step(double seconds) { return node_->step(seconds); }
 void MapServer::finish(bool is_left_to_journal) { node_->finish(is_left_to_journal); }
 Octree MapServer::map() const { return node_->map(); }
+void MapServer::command(const std::string& text, std::function<void(const std::string&)> reply) {
+  node_->command(text, std::move(reply));
+}
 const ServerCounts& MapServer::counts() const { return node_->counts(); }
+Diagnosis MapServer::diagnosis() const { return node_->diagnosis(); }
+const Pose& MapServer::T_map_base() const { return node_->T_map_base(); }
+const std::vector<Eigen::Vector3d>& MapServer::p_sensor_of_last() const { return node_->p_sensor_of_last(); }
 
 }  // namespace evermap

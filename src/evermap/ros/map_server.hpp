@@ -4,12 +4,15 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <evermap/history/map_store.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
+#include <evermap/ros/diagnosis.hpp>
 
 namespace evermap {
 
@@ -65,7 +68,13 @@ class MapServer {
   void finish(bool is_left_to_journal);
   Octree map() const;
 
+  /// Does what one on ~/command would; `reply` is called once, in step(), when it is done or refused.
+  void command(const std::string& text, std::function<void(const std::string& reply)> reply);
+
   const ServerCounts& counts() const;
+  Diagnosis diagnosis() const;
+  const Pose& T_map_base() const;                                ///< where the base was last believed to be
+  const std::vector<Eigen::Vector3d>& p_sensor_of_last() const;  ///< [m] points of the last cloud used
 
  private:
   class Node;

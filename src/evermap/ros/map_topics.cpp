@@ -7,7 +7,6 @@
 #include <set>
 #include <unordered_map>
 
-#include <evermap/geometry/detail/neighbourhood.hpp>
 #include <evermap/map/detail/leaf_changes.hpp>
 #include <evermap/map/map_difference.hpp>
 #include <evermap/ros/detail/idl_types.hpp>
@@ -66,28 +65,6 @@ class CloudOfTiles {
   std::size_t one_in_;
   std::vector<MapPoint> points_;
 };
-
-/// Groups voxels that touch, by flooding from each that is not in a group yet.
-void add_pieces(const std::vector<VoxelKey>& keys, const VoxelGrid& grid, bool has_come,
-                std::vector<SurfaceChange>& changes) {
-  constexpr std::size_t kNoise = 2;  // leaves
-  std::set<VoxelKey> left(keys.begin(), keys.end());
-  while (!left.empty()) {
-    SurfaceChange piece{has_come, {}, 0};
-    std::vector<VoxelKey> open = {left.extract(left.begin()).value()};
-    while (!open.empty()) {
-      const VoxelKey key = open.back();
-      open.pop_back();
-      ++piece.leaves;
-      const Eigen::Vector3d half = Eigen::Vector3d::Constant(grid.edge / 2);
-      piece.box.extend(Eigen::AlignedBox3d(grid.center(key) - half, grid.center(key) + half));
-      for_each_in_neighbourhood(key, [&](VoxelKey near) {
-        if (auto found = left.extract(near)) open.push_back(found.value());
-      });
-    }
-    if (piece.leaves > kNoise) changes.push_back(piece);
-  }
-}
 
 }  // namespace
 
@@ -194,14 +171,6 @@ void MapTopics::send_diagnosis(double time, const Diagnosis& diagnosis) {
 void MapTopics::send_reply(const std::string& reply) {
   std_msgs_msg_dds__String_ message{text(reply)};
   reply_.write(&message);
-}
-
-std::vector<SurfaceChange> surface_changes(const Octree& before, const Octree& after) {
-  const MapDifference difference = compare(before, after);
-  std::vector<SurfaceChange> changes;
-  add_pieces(difference.removed, after.grid(), false, changes);
-  add_pieces(difference.added, after.grid(), true, changes);
-  return changes;
 }
 
 }  // namespace evermap

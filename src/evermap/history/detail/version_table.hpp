@@ -51,10 +51,10 @@ class VersionTable {
   void for_each_part(const StoredVersion& version,
                      const std::function<void(std::span<const LeafChange>)>& visit);
   /// Makes the map of the version before to the map of this one.
-  void apply(const StoredVersion& version, Octree& octree);
+  void apply(const StoredVersion& version, Octree& octree, const VersionVisitor& visit = {});
   /// Throws FileError when the map is not the one that this version was.
   void check(const StoredVersion& version, const Octree& octree) const;
-  Octree checkout(int number);
+  Octree checkout(int number, const VersionVisitor& visit = {});
   Journal journal();
   bool has_journal();
 

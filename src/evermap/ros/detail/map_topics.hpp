@@ -7,26 +7,12 @@
 #include <vector>
 
 #include <evermap/maintenance/scan_result.hpp>
+#include <evermap/map/detail/surface_changes.hpp>
 #include <evermap/map/octree.hpp>
 #include <evermap/ros/detail/dds.hpp>
+#include <evermap/ros/diagnosis.hpp>
 
 namespace evermap {
-
-/// What a robot's health monitor is told.
-struct Diagnosis {
-  enum Level { kOk = 0, kWarning = 1, kError = 2 };
-
-  Level level = kOk;
-  std::string message;
-  std::vector<std::pair<std::string, std::string>> values;
-};
-
-/// Surface that came or went: leaves that touch each other.
-struct SurfaceChange {
-  bool has_come = true;
-  Eigen::AlignedBox3d box;  ///< [m] map frame
-  std::size_t leaves = 0;
-};
 
 /// What evermap tells the robot, on topics of ROS 2 by its conventions. `~` is the node's name.
 ///
@@ -70,8 +56,5 @@ class MapTopics {
   int change_id_ = 0;
   const std::string empty_;
 };
-
-/// What came and went between two maps of one grid, in pieces; pieces of one or two leaves are noise.
-std::vector<SurfaceChange> surface_changes(const Octree& before, const Octree& after);
 
 }  // namespace evermap

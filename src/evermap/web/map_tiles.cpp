@@ -1,0 +1,254 @@
+// SPDX-FileCopyrightText: 2026 the evermap authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <evermap/map/detail/leaf_changes.hpp>
+#include <evermap/map/detail/leaf_finder.hpp>
+#include <evermap/web/detail/map_tiles.hpp>
+
+namespace evermap {
+namespace {
+
+constexpr int kCells = VoxelKey::kBlockEdge;  ///< of a tile, a side
+constexpr int kCoarse = 2;                    ///< level of which each block's points are kept
+
+Eigen::Vector3i block_at(std::uint64_t block) {
+  const Eigen::Vector3i first = VoxelKey::first_of_block(block).voxel();
+  return {first.x() >> 6, first.y() >> 6, first.z() >> 6};
+}
+
+PointChange change_of(const auto& drawn) {
+  if constexpr (requires { drawn.change(); }) {
+    return drawn.change();
+  } else {
+    return drawn.change;
+  }
+}
+
+/// Keeps one of those in each cell. `cell`: [voxels] its edge.
+template <class Drawn>
+std::vector<Drawn> thin(const std::vector<Drawn>& all, int cell) {
+  std::vector<std::int32_t> chosen(kCells * kCells * kCells, -1);
+  const auto rank = [&](const Drawn& drawn) {
+    const Eigen::Array3f in_cell = drawn.position.array() / static_cast<float>(cell);
+    const float off_center = (in_cell - in_cell.floor() - 0.5F).matrix().squaredNorm();
+    return std::pair(change_of(drawn) == PointChange::kNone, off_center);
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Eigen::Array3i at = (all[i].position.array() / static_cast<float>(cell))
+                                  .floor()
+                                  .template cast<int>()
+                                  .max(0)
+                                  .min(kCells - 1);
+    std::int32_t& best = chosen[static_cast<std::size_t>((at.z() * kCells + at.y()) * kCells + at.x())];
+    if (best < 0 || rank(all[i]) < rank(all[static_cast<std::size_t>(best)]))
+      best = static_cast<std::int32_t>(i);
+  }
+  std::vector<Drawn> kept;
+  kept.reserve(all.size());
+  for (const std::int32_t i : chosen) {
+    if (i >= 0) kept.push_back(all[static_cast<std::size_t>(i)]);
+  }
+  return kept;
+}
+
+template <class Visit>
+void for_each_leaf_of(const Octree& map, std::uint64_t block_key, Visit&& visit) {
+  const Octree::Block* block = map.find_block(block_key);
+  if (block == nullptr) return;
+  const VoxelKey first = VoxelKey::first_of_block(block_key);
+  block->for_each([&](int brick_index, const Brick& brick) {
+    const VoxelKey in_brick = first.first_of_brick(brick_index);
+    brick.for_each([&](int voxel, const Leaf& leaf) { visit(in_brick.with_voxel(voxel), leaf); });
+  });
+}
+
+std::size_t leaf_count(const Octree& map, std::uint64_t block_key) {
+  std::size_t count = 0;
+  if (const Octree::Block* block = map.find_block(block_key))
+    block->for_each([&](int, const Brick& brick) { count += brick.size(); });
+  return count;
+}
+
+}  // namespace
+
+MapTiles::MapTiles(Octree map, std::optional<Octree> before, LeafAges ages)
+    : map_(std::move(map)), before_(std::move(before)), ages_(std::move(ages)) {}
+
+std::vector<TileBlock> MapTiles::blocks() const {
+  std::vector<std::uint64_t> keys = map_.block_keys();
+  if (before_) {
+    const std::vector<std::uint64_t> earlier = before_->block_keys();
+    std::vector<std::uint64_t> both;
+    both.reserve(keys.size() + earlier.size());
+    std::set_union(keys.begin(), keys.end(), earlier.begin(), earlier.end(), std::back_inserter(both));
+    keys = std::move(both);
+  }
+  std::vector<TileBlock> blocks;
+  blocks.reserve(keys.size());
+  for (const std::uint64_t key : keys) blocks.push_back(describe(key));
+  return blocks;
+}
+
+TileBlock MapTiles::describe(std::uint64_t block) const {
+  const Eigen::Vector3i at = block_at(block);
+  const auto revision = revisions_.find(block);
+  const std::size_t leaves =
+      std::max(leaf_count(map_, block), before_ ? leaf_count(*before_, block) : std::size_t{0});
+  return {{at.x(), at.y(), at.z()},
+          static_cast<std::uint32_t>(leaves),
+          revision == revisions_.end() ? 0 : revision->second};
+}
+
+std::vector<MapTiles::DrawnLeaf> MapTiles::leaves_of(std::uint64_t block) const {
+  std::vector<DrawnLeaf> leaves;
+  const Eigen::Vector3d corner =
+      map_.grid().center(VoxelKey::first_of_block(block)) - Eigen::Vector3d::Constant(map_.grid().edge / 2);
+  const auto add = [&](const Octree& map, VoxelKey key, const Leaf& leaf, PointChange change) {
+    const Eigen::Vector3d p = (map.gaussian(key, leaf).mean - corner) / map.grid().edge;
+    leaves.push_back({p.cast<float>(), key, &leaf, change});
+  };
+  if (!before_) {
+    for_each_leaf_of(map_, block, [&](VoxelKey key, const Leaf& leaf) {
+      if (leaf.occupied()) add(map_, key, leaf, PointChange::kNone);
+    });
+    return leaves;
+  }
+  LeafFinder<const Octree> earlier(*before_);
+  for_each_leaf_of(map_, block, [&](VoxelKey key, const Leaf& leaf) {
+    if (!leaf.occupied()) return;
+    const Leaf* was = earlier.find(key);
+    const bool is_same = was != nullptr && was->occupied() && was->mean_in_voxel == leaf.mean_in_voxel;
+    const bool is_known = is_same || shows_surface(*before_, key, map_.gaussian(key, leaf).mean);
+    add(map_, key, leaf, is_known ? PointChange::kNone : PointChange::kCame);
+  });
+  LeafFinder<const Octree> now(map_);
+  for_each_leaf_of(*before_, block, [&](VoxelKey key, const Leaf& leaf) {
+    if (!leaf.occupied()) return;
+    const Leaf* is = now.find(key);
+    if (is != nullptr && is->occupied()) return;
+    if (!shows_surface(map_, key, before_->gaussian(key, leaf).mean))
+      add(*before_, key, leaf, PointChange::kWent);
+  });
+  return leaves;
+}
+
+MapTiles::DrawnPoint MapTiles::drawn(const DrawnLeaf& leaf) const {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(leaf.leaf->covariance_matrix());
+  const Eigen::Vector3d normal = 127 * solver.eigenvectors().col(0);
+  DrawnPoint point{leaf.position, {}};
+  for (int axis = 0; axis < 3; ++axis)
+    point.point.normal[static_cast<std::size_t>(axis)] = static_cast<std::int8_t>(std::lround(normal[axis]));
+  const auto age = ages_.find(leaf.key.bits());
+  if (age != ages_.end()) point.point.age = age->second;
+  point.point.probability =
+      static_cast<std::uint8_t>(std::lround(255 / (1 + std::exp(-leaf.leaf->log_odds))));
+  point.point.change = leaf.change;
+  return point;
+}
+
+std::vector<MapTiles::DrawnPoint> MapTiles::coarse_points_of(std::uint64_t block) const {
+  const std::vector<DrawnLeaf> leaves = thin(leaves_of(block), 1 << kCoarse);
+  std::vector<DrawnPoint> points;
+  points.reserve(leaves.size());
+  for (const DrawnLeaf& leaf : leaves) points.push_back(drawn(leaf));
+  return points;
+}
+
+std::vector<std::uint64_t> MapTiles::blocks_in(int level, const Eigen::Vector3i& at) const {
+  std::set<std::uint64_t> found;
+  const auto add_all = [&](const Octree& map) {
+    for (const std::uint64_t block : map.block_keys()) {
+      const Eigen::Vector3i block_is_at = block_at(block);
+      if (block_is_at.x() >> level == at.x() && block_is_at.y() >> level == at.y() &&
+          block_is_at.z() >> level == at.z())
+        found.insert(block);
+    }
+  };
+  add_all(map_);
+  if (before_) add_all(*before_);
+  return {found.begin(), found.end()};
+}
+
+std::vector<TilePoint> MapTiles::tile(int level, const Eigen::Vector3i& at) {
+  const std::vector<std::uint64_t> blocks = blocks_in(level, at);
+  const auto offset_of = [&](std::uint64_t block) -> Eigen::Vector3f {
+    return ((block_at(block).array() - at.array() * (1 << level)) * kCells).matrix().cast<float>();
+  };
+  std::vector<DrawnPoint> points;
+  if (level < kCoarse) {
+    std::vector<DrawnLeaf> leaves;
+    for (const std::uint64_t block : blocks) {
+      for (DrawnLeaf& leaf : leaves_of(block)) {
+        leaf.position += offset_of(block);
+        leaves.push_back(leaf);
+      }
+    }
+    if (level > 0) leaves = thin(leaves, 1 << level);
+    points.reserve(leaves.size());
+    for (const DrawnLeaf& leaf : leaves) points.push_back(drawn(leaf));
+  } else {
+    std::vector<std::uint64_t> missing;
+    std::copy_if(blocks.begin(), blocks.end(), std::back_inserter(missing),
+                 [&](std::uint64_t block) { return !coarse_.contains(block); });
+    std::vector<std::vector<DrawnPoint>> made(missing.size());
+    oneapi::tbb::parallel_for(std::size_t{0}, missing.size(),
+                              [&](std::size_t i) { made[i] = coarse_points_of(missing[i]); });
+    for (std::size_t i = 0; i < missing.size(); ++i) coarse_[missing[i]] = std::move(made[i]);
+    for (const std::uint64_t block : blocks) {
+      for (DrawnPoint point : coarse_[block]) {
+        point.position += offset_of(block);
+        points.push_back(point);
+      }
+    }
+    if (level > kCoarse) points = thin(points, 1 << level);
+  }
+  std::vector<TilePoint> tile;
+  tile.reserve(points.size());
+  const float step = 65536.0F / static_cast<float>(kCells << level);
+  for (DrawnPoint& point : points) {
+    for (int axis = 0; axis < 3; ++axis) {
+      point.point.position[static_cast<std::size_t>(axis)] =
+          static_cast<std::uint16_t>(std::clamp(point.position[axis] * step, 0.0F, 65535.0F));
+    }
+    tile.push_back(point.point);
+  }
+  return tile;
+}
+
+std::vector<TileBlock> MapTiles::show(Octree map, std::uint16_t since) {
+  const auto least_move = static_cast<float>(map.grid().edge / 8);
+  std::set<std::uint64_t> changed;
+  for (const LeafChange& change : changes_between(map_, map)) {
+    const Leaf* was = map_.find(change.key);
+    const bool was_drawn = was != nullptr && was->occupied();
+    const bool is_drawn = change.leaf.occupied();
+    if (was_drawn != is_drawn ||
+        (is_drawn && (was->mean_in_voxel - change.leaf.mean_in_voxel).norm() > least_move))
+      changed.insert(change.key.block());
+    if (is_drawn) {
+      const auto [age, is_new] =
+          ages_.try_emplace(change.key.bits(), LeafAge{was_drawn ? LeafAge{}.since : since, since});
+      if (!is_new) age->second = {was_drawn ? age->second.since : since, since};
+    }
+  }
+  map_ = std::move(map);
+  ++revision_;
+  std::vector<TileBlock> blocks;
+  blocks.reserve(changed.size());
+  for (const std::uint64_t block : changed) {
+    revisions_[block] = revision_;
+    coarse_.erase(block);
+    blocks.push_back(describe(block));
+  }
+  return blocks;
+}
+
+}  // namespace evermap
