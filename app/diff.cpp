@@ -6,7 +6,6 @@
 
 #include <fmt/core.h>
 
-#include "birds_eye.hpp"
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
@@ -52,10 +51,8 @@ void run_diff(const DiffOptions& options) {
     throw std::runtime_error("the maps have leaves of another size, or in other places");
   const MapChange change(options.after, before, after);
   if (!options.report.empty()) {
-    make_folder(options.report);
-    write_json(options.report / "report.json", to_json(change));
-    write_pictures(options.report, before, after, change.difference);
-    write_viewer(options.report, change, before, after);
+    prepare_report(options.report);
+    write_report(options.report, to_json(change), change, before, after);
   }
   if (!options.cloud.empty()) write_cloud(options.cloud, change.difference, before, after);
   fmt::print("{}", options.as_json ? dump(to_json(change)) : to_text(change));

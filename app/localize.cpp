@@ -33,6 +33,7 @@ struct LocalizeOptions {
   std::filesystem::path poses;
   std::filesystem::path states;  ///< empty when not asked for
   std::filesystem::path map_out;
+  std::filesystem::path report;  ///< folder; empty when not asked for
   ParameterOptions parameters;
   bool as_json = false;
 };
@@ -44,6 +45,9 @@ void check(const LocalizeOptions& options) {
     throw std::runtime_error("--maintain and --map-out need each other");
   }
   if (options.maintain) check_writable(options.map_out);
+  if (!options.report.empty() && !options.maintain)
+    throw std::runtime_error("--report tells what --maintain changes, and needs it");
+  if (!options.report.empty()) prepare_report(options.report);
 }
 
 /// The poses of the run that is to go on: of one that was killed, in POSES.part.
@@ -83,7 +87,8 @@ void run_localize(const LocalizeOptions& options) {
                            options.maintain ? MapMode::kMaintenance : MapMode::kLocalization,
                            scans.before.empty() ? options.initial_pose : scans.before.back().T_map_sensor);
   MapCause cause = cause_of("localize", options.scans.scans, parameters);
-  if (store) store->begin(maintainer.map(), cause, options.journal);
+  const Octree before = maintainer.map();
+  if (store) store->begin(before, cause, options.journal);
   PoseLog log(options.poses);
   const auto acknowledge = [&](const LocalizedRun& run) {
     log.extend(run.trajectory);
@@ -101,6 +106,12 @@ void run_localize(const LocalizeOptions& options) {
     cause.what +=
         fmt::format(", {} of {} scans tracked", run.count(TrackingState::kTracking), run.scans.size());
     put_in_place(*store, maintainer.map(), cause);
+  }
+  if (!options.report.empty() && run.run.stopped_by == 0) {
+    const MapChange change(options.map_out, before, maintainer.map());
+    Json json = to_json(change);
+    json.update(to_json(run));
+    write_report(options.report, json, change, before, maintainer.map());
   }
   if (options.as_json) {
     Json json = {{"poses", options.poses.string()}};
@@ -145,6 +156,7 @@ void add_localize(CLI::App& app) {
   verb->add_option("--map-out", options->map_out,
                    "Map to write with --maintain; may be the one to start from")
       ->type_name("OUT.evm");
+  add_report_option(*verb, options->report);
   verb->add_flag("--resume", options->resume,
                  "Go on with a run that was stopped or killed: after its last pose, in the map that it left");
   const RollbackParameters defaults;

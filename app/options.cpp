@@ -229,7 +229,9 @@ void add_wait_option(CLI::App& verb, double& patience) {
 }
 
 void add_report_option(CLI::App& verb, std::filesystem::path& folder) {
-  verb.add_option("--report", folder, "Folder for report.json and pictures of before, after and the change")
+  verb.add_option(
+          "--report", folder,
+          "Folder for report.json, pictures of before, after and the change, and a page to look around in")
       ->type_name("DIR");
 }
 

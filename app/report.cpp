@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "birds_eye.hpp"
 #include <evermap/io/detail/atomic_file.hpp>
 #include <evermap/web/map_page.hpp>
 
@@ -127,11 +128,18 @@ std::string to_text(const MapChange& change) {
 
 std::string to_text(const ChangeReport& report) { return to_text(report.change) + to_text(report.run); }
 
-void write_viewer(const std::filesystem::path& folder, const MapChange& change, const Octree& before,
-                  const Octree& after) {
+void write_report(const std::filesystem::path& folder, const Json& report, const MapChange& change,
+                  const Octree& before, const Octree& after) {
+  write_json(folder / kReportName, report);
+  write_pictures(folder, before, after, change.difference);
   AtomicFile file(folder / kViewerName);
   file.write(page_with_map(after, before, change.map.filename().string()));
   file.commit();
+}
+
+void prepare_report(const std::filesystem::path& folder) {
+  make_folder(folder);
+  const AtomicFile never_committed(folder / kReportName);
 }
 
 std::string dump(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }

@@ -50,10 +50,14 @@ std::string to_text(const Run& run);
 std::string to_text(const MapChange& change);
 std::string to_text(const ChangeReport& report);
 
-/// The page with both maps, which opens from disk: `folder`/viewer.html. Throws FileError.
+/// What --report asks for: report.json, pictures from above (birds_eye.hpp), and the page with both maps,
+/// which opens from disk. Throws FileError.
+inline constexpr const char* kReportName = "report.json";
 inline constexpr const char* kViewerName = "viewer.html";
-void write_viewer(const std::filesystem::path& folder, const MapChange& change, const Octree& before,
-                  const Octree& after);
+void write_report(const std::filesystem::path& folder, const Json& report, const MapChange& change,
+                  const Octree& before, const Octree& after);
+/// Fails now when it could not be written. Throws FileError.
+void prepare_report(const std::filesystem::path& folder);
 
 /// With a line break at the end; what is no UTF-8 (in a path, say) is replaced.
 std::string dump(const Json& json);

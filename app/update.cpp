@@ -5,7 +5,6 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
-#include "birds_eye.hpp"
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
@@ -43,18 +42,7 @@ std::size_t scans_before(const UpdateOptions& options, const MapCause& cause) {
 
 void prepare_outputs(const UpdateOptions& options) {
   check_writable(options.output);
-  if (options.report.empty()) return;
-  make_folder(options.report);
-  check_writable(options.report / "report.json");
-}
-
-void write_report(const std::filesystem::path& folder, const ChangeReport& report, const Octree& before,
-                  const Octree& after) {
-  write_json(folder / "report.json", to_json(report));
-  // Whoever interrupts waits for the end: of a large map, pictures take longer than saving it.
-  if (report.run.stopped_by != 0) return;
-  write_pictures(folder, before, after, report.change.difference);
-  write_viewer(folder, report.change, before, after);
+  if (!options.report.empty()) prepare_report(options.report);
 }
 
 void run_update(const UpdateOptions& options) {
@@ -85,7 +73,14 @@ void run_update(const UpdateOptions& options) {
   if (run.stopped_by != 0) cause.scans = taken;
   put_in_place(store, octree, cause);
   const ChangeReport report{{options.output, before, octree}, run};
-  if (!options.report.empty()) write_report(options.report, report, before, octree);
+  if (!options.report.empty()) {
+    // Whoever interrupts waits for the end: of a large map, pictures take longer than saving it.
+    if (run.stopped_by != 0) {
+      write_json(options.report / kReportName, to_json(report));
+    } else {
+      write_report(options.report, to_json(report), report.change, before, octree);
+    }
+  }
   fmt::print("{}", options.as_json ? dump(to_json(report)) : to_text(report));
   end_as(run);
 }

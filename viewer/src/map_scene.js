@@ -12,6 +12,7 @@ import { TileTree } from './tile_tree.js';
 
 const kModes = { height: 0, occupancy: 1, since: 2, seen: 3 };
 const kStateColours = { 0: 0x56b4e9, 1: 0xe69f00, 2: 0xd55e00 };
+const kMostPoints = 6_000_000;
 const kWay = 20000;  // places of the robot that are kept
 
 const kVertexShader = `
@@ -75,10 +76,14 @@ export class MapScene {
   #marks = new Group();
   #places = new Float32Array(3 * kWay);
   #placeCount = 0;
+  #told = '';  // of the robot
   #isDirty = true;
+  #isLoading = false;  // dirty, but only by tiles that came
   #last = 0;
   #restless = 0;     // frames one after the other
   #resolution = 1;   // share of the screen's
+  #isStill = false;  // nothing moves: there is time for detail
+  #stillBudget = 0;
 
   constructor(canvas) {
     this.canvas = canvas;
@@ -110,10 +115,10 @@ export class MapScene {
   }
 
   /** Whether all that is to be seen is drawn. */
-  get isSettled() { return this.drawnPoints > 0 && !this.#isDirty && this.tree.isComplete; }
+  get isSettled() { return this.drawnPoints > 0 && this.#isStill && !this.#isDirty && this.tree.isComplete; }
 
   /** Something is to be drawn anew. */
-  touch() { this.#isDirty = true; }
+  touch() { this.#isDirty = true; this.#isLoading = false; }
 
   // ---- What is shown ----
 
@@ -130,7 +135,8 @@ export class MapScene {
     this.drawnPoints = 0;
     this.tree = new TileTree(blocks, this.#frame, source, async (level, at, tile) => {
       const points = this.#pointsOf(await source.tile(name, level, at), tile);
-      this.touch();
+      this.#isLoading ||= !this.#isDirty;
+      this.#isDirty = true;
       return points;
     }, (points) => points.geometry.dispose());
     const box = this.tree.box;
@@ -172,11 +178,8 @@ export class MapScene {
       this.material.uniforms.cell.value = tile.cell;
       this.material.uniformsNeedUpdate = true;
     };
-    const z = shorts.array;
-    const heights = [];
-    for (let i = 2; i < z.length; i += 8) heights.push(z[i]);
-    heights.sort((a, b) => a - b);  // but for a few that lie apart
-    const at = (share) => (heights[Math.floor(share * (heights.length - 1))] ?? 0) / 65535;
+    const heights = tile.level === this.tree.top ? shorts.array.filter((_, i) => i % 8 === 2).sort() : [];
+    const at = (share) => (heights[Math.floor(share * (heights.length - 1))] ?? 0) / 65535;  // but for a few that lie apart
     return { geometry, object, count, buffer, low: at(0.01), high: at(0.99) };
   }
 
@@ -206,9 +209,12 @@ export class MapScene {
 
   /** `pose`: x y z qx qy qz qw in the map. */
   showRobot(pose, level) {
-    if (!this.#frame) return;
+    const told = JSON.stringify([pose, level]);
+    if (!this.#frame || told === this.#told) return;
+    this.#told = told;
+    this.touch();
     this.#body.material.color.set(kStateColours[level] ?? kStateColours[2]);
-    if (!pose) { this.touch(); return; }
+    if (!pose) return;
     const before = this.#robot.position.clone();
     this.#robot.position.copy(this.toScene(pose.slice(0, 3)));
     this.#robot.quaternion.copy(new Quaternion(...pose.slice(3)));
@@ -225,7 +231,6 @@ export class MapScene {
     this.#robot.position.toArray(this.#places, 3 * this.#placeCount++);
     this.#way.geometry.attributes.position.needsUpdate = true;
     this.#way.geometry.setDrawRange(0, this.#placeCount);
-    this.touch();
   }
   get robotPlaces() { return this.#placeCount; }
 
@@ -327,7 +332,7 @@ export class MapScene {
 
   #resize() {
     const { width, height } = this.canvas.getBoundingClientRect();
-    const ratio = Math.min(devicePixelRatio, 2) * this.#resolution;
+    const ratio = Math.min(devicePixelRatio, 2) * (this.#isStill ? 1 : this.#resolution);
     if (this.canvas.width === Math.floor(width * ratio) && this.canvas.height === Math.floor(height * ratio)) return;
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
@@ -344,9 +349,10 @@ export class MapScene {
     const kLong = 28;  // [ms], less than 36 frames a second
     const kShort = 19;
     const kFewest = 20_000;
-    const kMost = 6_000_000;
     const kCoarsest = 0.35;
-    this.frameTime += 0.15 * (Math.min(elapsed, 250) - this.frameTime);
+    const kPause = 300;  // [ms], after which nothing was drawn for its own sake
+    if (elapsed > kPause) return;
+    this.frameTime += 0.15 * (elapsed - this.frameTime);
     if (++this.#restless < 8) return;
     const slowness = Math.max(0.6, kLong / this.frameTime);
     if (this.frameTime > kLong) {
@@ -354,7 +360,7 @@ export class MapScene {
       else this.#resolution = Math.max(kCoarsest, this.#resolution * Math.sqrt(slowness));
     } else if (this.frameTime < kShort) {
       if (this.#resolution < 1) this.#resolution = Math.min(1, this.#resolution * 1.1);
-      else if (this.drawnPoints > 0.7 * this.budget) this.budget = Math.min(kMost, this.budget * 1.15);
+      else if (this.drawnPoints > 0.7 * this.budget) this.budget = Math.min(kMostPoints, this.budget * 1.15);
     } else {
       return;
     }
@@ -365,20 +371,28 @@ export class MapScene {
     requestAnimationFrame((next) => this.#draw(next));
     this.#resize();
     if (!this.tree) return;
+    const kRest = 400;       // [ms] after which nothing seems to move
+    const kStillTime = 300;  // [ms] that a frame may take then
     const elapsed = now - this.#last;
-    this.#last = now;
     if (!this.#isDirty && this.tree.isComplete) {
       this.#restless = 0;
-      return;
+      if (this.#isStill || elapsed < kRest) return;
+      this.#isStill = true;
+      this.#stillBudget = Math.max(1, kStillTime / this.frameTime) * this.budget;
+      this.#resize();
+    } else if (this.#isDirty && this.#isStill && !this.#isLoading) {
+      this.#isStill = false;
+      this.#resize();
     }
-    const wasDirty = this.#isDirty;
-    this.#isDirty = false;
-    if (wasDirty) this.#adapt(elapsed);
+    this.#last = now;
+    if (this.#isDirty && !this.#isLoading) this.#adapt(elapsed);
+    this.#isDirty = this.#isLoading = false;
+    const budget = this.#isStill ? Math.min(this.#stillBudget, kMostPoints) : this.budget;
     this.camera.updateMatrixWorld();
     const view = new Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse);
     const focal = (0.5 * this.canvas.height) / Math.tan((this.camera.fov * Math.PI) / 360);
     this.material.uniforms.focal.value = focal;
-    const drawn = this.tree.select(this.camera.position, new Frustum().setFromProjectionMatrix(view), focal, this.budget);
+    const drawn = this.tree.select(this.camera.position, new Frustum().setFromProjectionMatrix(view), focal, budget);
     this.#tiles.clear();
     this.drawnPoints = 0;
     for (const tile of drawn) {

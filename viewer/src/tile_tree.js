@@ -20,6 +20,7 @@ class Tile {
   points = null;          // what MapScene made of it
   loadedRevision = -1;
   isRequested = false;
+  isDrawn = false;
   lastDrawn = 0;          // frame
 
   constructor(level, at, frame) {
@@ -42,12 +43,13 @@ export class TileTree {
   #frame;
   #finest;
   #hasOneLevel;
-  #top = 0;
+  top = 0;
   #load;
   #unload;
   #requests = 0;
   #frameNumber = 0;
   #generation = 0;
+  #drawn = [];
 
   /** `load(level, at)` gives a promise of points, `unload(points)` frees them. */
   constructor(blocks, frame, source, load, unload) {
@@ -57,10 +59,10 @@ export class TileTree {
     this.#load = load;
     this.#unload = unload;
     if (this.#hasOneLevel) {
-      this.#top = this.#finest;
+      this.top = this.#finest;
     } else {
-      for (this.#top = 2; this.#top < kTopLevel; ++this.#top) {
-        const scale = 2 ** this.#top;
+      for (this.top = 2; this.top < kTopLevel; ++this.top) {
+        const scale = 2 ** this.top;
         if (new Set(blocks.map(({ at }) => at.map((i) => Math.floor(i / scale)).join('/'))).size <= kFewRoots) break;
       }
     }
@@ -73,7 +75,7 @@ export class TileTree {
       let child = null;
       const before = this.tiles.get(name(this.#finest, this.#placeOf(block, this.#finest)))?.leaves ?? 0;
       const grown = this.#finest === 0 ? block.leaves - before : block.leaves;
-      for (let level = this.#finest; level <= this.#top; ++level) {
+      for (let level = this.#finest; level <= this.top; ++level) {
         const at = this.#placeOf(block, level);
         let tile = this.tiles.get(name(level, at));
         const isNew = !tile;
@@ -88,7 +90,7 @@ export class TileTree {
 
   #placeOf({ at }, level) { return at.map((i) => Math.floor(i / 2 ** level)); }
 
-  get roots() { return [...this.tiles.values()].filter((tile) => tile.level === this.#top); }
+  get roots() { return [...this.tiles.values()].filter((tile) => tile.level === this.top); }
 
   /** Everything, [m] in the scene. */
   get box() {
@@ -129,7 +131,9 @@ export class TileTree {
       cost += more;
       open.push(...children);
     }
-    for (const tile of drawn) tile.lastDrawn = this.#frameNumber;
+    for (const tile of this.#drawn) tile.isDrawn = false;
+    this.#drawn = drawn;
+    for (const tile of drawn) [tile.isDrawn, tile.lastDrawn] = [true, this.#frameNumber];
     wanted.sort((a, b) => b.level - a.level || spacing(b) - spacing(a));
     for (const tile of wanted) this.#request(tile);
     this.#forget(2 * budget);
@@ -165,7 +169,7 @@ export class TileTree {
     if (sum <= most) return;
     loaded.sort((a, b) => a.lastDrawn - b.lastDrawn);
     for (const tile of loaded) {
-      if (sum <= most || tile.lastDrawn >= this.#frameNumber || tile.level === this.#top) break;
+      if (sum <= most || tile.lastDrawn >= this.#frameNumber || tile.level === this.top) break;
       sum -= tile.points.count;
       this.#unload(tile.points);
       tile.points = null;

@@ -36,13 +36,14 @@ void add_pieces(const std::vector<VoxelKey>& keys, const VoxelGrid& grid, bool h
 
 bool shows_surface(const Octree& octree, VoxelKey key, const Eigen::Vector3d& p_map) {
   const double tolerance = MapDifference::kTolerance * octree.grid().edge;
-  return any_in_neighbourhood(key, [&](VoxelKey near) {
+  const auto leaf_shows = [&](VoxelKey near) {
     const Leaf* leaf = octree.find(near);
     if (leaf == nullptr || !leaf->occupied()) return false;
     Gaussian surface = octree.gaussian(near, *leaf);
     surface.covariance += tolerance * tolerance * Eigen::Matrix3d::Identity();
     return mahalanobis_squared(p_map, surface) <= kChiSquared99;
-  });
+  };
+  return leaf_shows(key) || any_in_neighbourhood(key, leaf_shows);  // mostly the voxel's own leaf does
 }
 
 MapDifference compare(const Octree& before, const Octree& after) {

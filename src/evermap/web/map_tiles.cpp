@@ -164,20 +164,32 @@ std::vector<MapTiles::DrawnPoint> MapTiles::coarse_points_of(std::uint64_t block
 
 std::vector<std::uint64_t> MapTiles::blocks_in(int level, const Eigen::Vector3i& at) const {
   std::set<std::uint64_t> found;
-  const auto add_all = [&](const Octree& map) {
-    for (const std::uint64_t block : map.block_keys()) {
-      const Eigen::Vector3i block_is_at = block_at(block);
-      if (block_is_at.x() >> level == at.x() && block_is_at.y() >> level == at.y() &&
-          block_is_at.z() >> level == at.z())
-        found.insert(block);
+  const auto add_from = [&](const Octree& map) {
+    if (level <= kCoarse) {  // few places: each is asked for
+      const int edge = 1 << level;
+      for (int i = 0; i < edge * edge * edge; ++i) {
+        const Eigen::Vector3i block = at * edge + Eigen::Vector3i(i % edge, i / edge % edge, i / edge / edge);
+        const Eigen::Vector3i voxel = block * kCells;
+        if (!VoxelKey::in_range(voxel)) continue;
+        const std::uint64_t key = VoxelKey::from_voxel(voxel).block();
+        if (map.find_block(key) != nullptr) found.insert(key);
+      }
+      return;
+    }
+    for (const std::uint64_t key : map.block_keys()) {
+      const Eigen::Vector3i block = block_at(key);
+      if (block.x() >> level == at.x() && block.y() >> level == at.y() && block.z() >> level == at.z())
+        found.insert(key);
     }
   };
-  add_all(map_);
-  if (before_) add_all(*before_);
+  add_from(map_);
+  if (before_) add_from(*before_);
   return {found.begin(), found.end()};
 }
 
 std::vector<TilePoint> MapTiles::tile(int level, const Eigen::Vector3i& at) {
+  constexpr int kFarthest = VoxelKey::kMaxXY / kCells;
+  if (at.cwiseAbs().maxCoeff() > kFarthest) return {};  // where nothing can be
   const std::vector<std::uint64_t> blocks = blocks_in(level, at);
   const auto offset_of = [&](std::uint64_t block) -> Eigen::Vector3f {
     return ((block_at(block).array() - at.array() * (1 << level)) * kCells).matrix().cast<float>();

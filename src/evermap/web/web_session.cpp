@@ -11,6 +11,7 @@
 #include <optional>
 #include <type_traits>
 
+#include <evermap/files/detail/background.hpp>
 #include <evermap/web/detail/web_session.hpp>
 
 namespace evermap {
@@ -235,6 +236,7 @@ class RequestSession : public WebSession, public std::enable_shared_from_this<Re
     };
     asio::post(hub_.workers, [hub = &hub_, respond = std::move(respond),
                               request = WebRequest{text(request_.method_string()), path, request_.body()}] {
+      step_back();
       try {
         hub->handler(request, respond);
       } catch (const std::exception& error) {

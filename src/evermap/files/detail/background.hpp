@@ -9,13 +9,18 @@
 
 namespace evermap {
 
-/// Runs task() in a thread that takes what time the others leave: a robot's scans go before. Where the system
-/// does not grant that, they share.
+/// From now on this thread takes what time the others leave: a robot's scans go before. Where the system does
+/// not grant that, they share.
+inline void step_back() {
+  constexpr int kNice = 10;
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice);
+}
+
+/// Runs task() in a thread that steps back.
 template <class Task>
 auto in_background(Task task) {
   return std::async(std::launch::async, [task = std::move(task)] {
-    constexpr int kNice = 10;
-    ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice);
+    step_back();
     return task();
   });
 }
