@@ -87,7 +87,11 @@ TEST_F(LocalizeTest, MaintainsTheMapTheSameForAnyNumberOfThreads) {
   build_map();
   expect_done(localize({"--maintain", "--map-out", name("one.evm"), "--threads", "1"}));
   const std::string poses = content(path("poses.txt"));
-  expect_done(localize({"--maintain", "--map-out", name("three.evm"), "--threads", "3"}));
+  expect_done(
+      localize({"--maintain", "--map-out", name("three.evm"), "--threads", "3", "--report", name("report")}));
+  EXPECT_TRUE(Json::parse(content(path("report/report.json"))).contains("leaves"));
+  EXPECT_NE(content(path("report/viewer.html")).find("id=\"map-data\""), std::string::npos);
+  expect_failed(localize({"--report", name("report")}), "--report tells what --maintain changes");
   EXPECT_TRUE(content(path("one.evm")) == content(path("three.evm")));
   EXPECT_EQ(content(path("poses.txt")), poses);
 }

@@ -64,6 +64,7 @@ TEST_F(VerbsTest, AWallThatVanishedLeavesTheMap) {
   for (const char* picture : {"before.png", "after.png", "change.png"}) {
     EXPECT_TRUE(content(path("report/of/now") / picture).starts_with("\x89PNG")) << picture;
   }
+  EXPECT_NE(content(path("report/of/now/viewer.html")).find("id=\"map-data\""), std::string::npos);
   const Json info = Json::parse(run({"info", name("out.evm"), "--json"}).out);
   EXPECT_EQ(info["leaves"]["occupied"], leaves["after"]);
   EXPECT_EQ(info["leaves"]["pending"], leaves["pending"]);

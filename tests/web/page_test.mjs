@@ -200,6 +200,20 @@ test('on a phone held upright the map has the screen', async (t) => {
   await keep(page, 'phone.png');
 });
 
+test('others open the page over TLS, by its token', async (t) => {
+  const server = await serve('view', inFolder('yard.evm'), '--listen', '0.0.0.0', '--port', '0');
+  t.after(() => stop(server));
+  const url = new URL(server.url);
+  url.hostname = 'localhost';
+  const page = await open(t, url.href, { ignoreHTTPSErrors: true });
+  assert.equal(await page.evaluate('location.href'), `${url.origin}/`);  // the token is in no address that could be passed on
+  assert.equal(await page.evaluate('document.cookie'), '');              // nor where scripts could read it
+  const stranger = await browser.newContext({ ignoreHTTPSErrors: true });
+  t.after(() => stranger.close());
+  const refused = await (await stranger.newPage()).goto(`${url.origin}/`);
+  assert.equal(refused.status(), 401);
+});
+
 test('another site cannot ask, nor listen', async (t) => {
   const server = await serve('view', inFolder('yard.evm'), '--port', '0');
   t.after(() => stop(server));

@@ -188,7 +188,8 @@ TEST(WebServer, OthersNeedATokenAndGetTls) {
   EXPECT_THROW(WebServer(options, echo), WebError);
   options.token = "secretsecretsecret";
   const WebServer server(options, echo);
-  EXPECT_EQ(server.url(), "https://0.0.0.0:" + std::to_string(server.port()) + "/?token=secretsecretsecret");
+  EXPECT_TRUE(server.url().starts_with("https://")) << server.url();
+  EXPECT_TRUE(server.url().ends_with(":" + std::to_string(server.port()) + "/?token=secretsecretsecret"));
   EXPECT_EQ(server.fingerprint().size(), 95U) << server.fingerprint();
   const RawConnection plain(server.port());
   plain.send("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");

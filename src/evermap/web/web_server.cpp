@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <array>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <thread>
+#include <unistd.h>
 #include <utility>
 
 #include <evermap/web/detail/certificate.hpp>
@@ -16,6 +18,18 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
+namespace {
+
+/// By which others may call this machine that listens at `address`.
+std::string name_of(const std::string& address) {
+  std::array<char, 256> host{};
+  const bool is_any = address == "0.0.0.0" || address == "::";
+  if (is_any && ::gethostname(host.data(), host.size() - 1) == 0) return host.data();
+  return address;
+}
+
+}  // namespace
+
 class WebServer::Service {
  public:
   Service(const WebOptions& options, WebHandler handler)
@@ -25,8 +39,8 @@ class WebServer::Service {
       throw WebError("whoever may reach " + options.address + " must show a token: give one");
     if (!is_local_) set_up_tls(options);
     listen(options);
-    url_ = (is_local_ ? "http://localhost:" : "https://" + options.address + ":") + std::to_string(port()) +
-           (options.token.empty() ? "/" : "/?token=" + options.token);
+    url_ = (is_local_ ? "http://localhost:" : "https://" + name_of(options.address) + ":") +
+           std::to_string(port()) + (options.token.empty() ? "/" : "/?token=" + options.token);
     accept();
     thread_ = std::thread([this] { hub_->io.run(); });
   }
