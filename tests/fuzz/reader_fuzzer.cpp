@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <unistd.h>
 
@@ -18,10 +19,13 @@
 #include <evermap/files/file_error.hpp>
 #include <evermap/history/detail/packed_changes.hpp>
 #include <evermap/history/map_history.hpp>
+#include <evermap/history/map_store.hpp>
 #include <evermap/io/cloud.hpp>
 #include <evermap/io/map_file.hpp>
 #include <evermap/io/poses.hpp>
 #include <evermap/simulation/scenario.hpp>
+#include <evermap/web/detail/door.hpp>
+#include <evermap/web/map_page.hpp>
 
 namespace {
 
@@ -70,6 +74,43 @@ namespace {
 [[maybe_unused]] void read_history(const std::filesystem::path& path) {
   const evermap::MapHistory history(path.parent_path() / path.stem());
   for (const evermap::MapVersion& version : history.versions()) history.checkout(version.number);
+}
+
+/// A map with two versions, made once.
+evermap::MapPage& page_of_a_map() {
+  static const std::filesystem::path path =
+      "/dev/shm/evermap-fuzz-page-" + std::to_string(::getpid()) + ".evm";
+  static const bool is_made = [] {
+    evermap::Octree map(evermap::VoxelGrid{.edge = 0.5});
+    for (const int version : {1, 2}) {
+      map.find_or_insert(evermap::VoxelKey::from_voxel({version, 2, 3})).log_odds = 1;
+      evermap::MapStore(path).commit(map, {"version", ""});
+    }
+    return true;
+  }();
+  static evermap::MapPage page(path);
+  static_cast<void>(is_made);
+  return page;
+}
+
+/// Lines of method, path and query, then a body. Whatever is asked has one answer.
+[[maybe_unused]] void ask_page(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  evermap::WebRequest request;
+  std::string query;
+  std::getline(file, request.method);
+  std::getline(file, request.path);
+  std::getline(file, query);
+  request.body.assign(std::istreambuf_iterator<char>(file), {});
+  int answers = 0;
+  page_of_a_map().respond(request, [&](const evermap::WebReply&) { ++answers; });
+  if (answers != 1) std::abort();
+  evermap::Door door("secretsecretsecret");
+  const evermap::Door::Verdict verdict =
+      door.judge({"9.9.9.9", request.method, request.path, request.body, request.body, query}, 0);
+  const std::string all = request.body + query;
+  if (verdict == evermap::Door::Verdict::kWelcome && all.find("secretsecretsecret") == std::string::npos)
+    std::abort();
 }
 
 std::filesystem::path again(const std::filesystem::path& path) { return path.string() + ".again"; }

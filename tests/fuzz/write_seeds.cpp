@@ -97,6 +97,9 @@ void write_seeds(const std::filesystem::path& folder) {
         "scans: 2\nground:\n  area: [-30, -30, 30, 30]\n  features:\n    - slope: [0.02, 0.01]\nrobot:\n"
         "  sensor_height: 1.7\n  route:\n    speed: 4\n    waypoints: [{at: [-11, -8], speed: 5}, [3, -8]]\n"
         "objects:\n  - {name: box, box: [6, 2.4, 2.6], places: [[-15, 8, 11]], from: 1}\n");
+  write("page", "tile", "GET\n/api/maps/1..now/tiles/2/0/0/0\ntoken=secretsecretsecret\n");
+  write("page", "changes", "GET\n/api/maps/1..2/changes\n\n");
+  write("page", "command", "POST\n/api/command\n\n{\"command\": \"save\"}");
   write("poses", "tum", "0 1 2 3 0 0 0 1\n1 2 3 4 0 0 0 1\n");
   write("poses", "kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n");
 }

@@ -149,12 +149,12 @@ std::string MapPage::show(Octree map) {
 }
 
 void MapPage::set_status(std::string json) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::mutex> lock(robot_mutex_);
   status_ = std::move(json);
 }
 
 void MapPage::set_commands(TakeCommand take) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::mutex> lock(robot_mutex_);
   take_command_ = std::move(take);
 }
 
@@ -212,7 +212,7 @@ std::shared_ptr<MapPage::View> MapPage::load(const std::string& name) const {
 
 std::shared_ptr<MapPage::View> MapPage::view(const std::string& name) {
   if (live_ && name == kNow) return live_;
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::mutex> lock(views_mutex_);
   auto found =
       std::find_if(views_.begin(), views_.end(), [&](const auto& known) { return known.first == name; });
   if (found == views_.end()) {
@@ -256,7 +256,7 @@ WebReply MapPage::reply_to(const std::string& path) {
   if (words.size() == 2 && words[0] == "api" && words[1] == "page")
     return {200, "application/json", describe()};
   if (words.size() == 2 && words[0] == "api" && words[1] == "status") {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::lock_guard<std::mutex> lock(robot_mutex_);
     return {200, "application/json", status_.empty() ? "{}" : status_};
   }
   throw NotFound("there is no such thing");
@@ -270,7 +270,7 @@ void MapPage::respond(const WebRequest& request, const WebRespond& respond) {
         return respond(text_reply(400, "send {\"command\": \"save\"}"));
       TakeCommand take;
       {
-        const std::lock_guard<std::mutex> lock(mutex_);
+        const std::lock_guard<std::mutex> lock(robot_mutex_);
         take = take_command_;
       }
       if (!take) return respond(text_reply(404, "no robot takes commands here"));

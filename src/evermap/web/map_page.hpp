@@ -65,8 +65,10 @@ class MapPage {
   std::string shown_;
   std::shared_ptr<View> live_;  ///< none of a file
 
-  std::mutex mutex_;                                                ///< of all below
+  std::mutex views_mutex_;                                          ///< held while a version is loaded
   std::list<std::pair<std::string, std::shared_ptr<View>>> views_;  ///< the last used first
+
+  std::mutex robot_mutex_;  ///< of what a robot says and hears, which waits for nothing
   std::string status_;
   TakeCommand take_command_;
 };

@@ -48,6 +48,12 @@ double now() {
 
 std::string text(beast::string_view view) { return {view.data(), view.size()}; }
 
+/// Whether what came is no request, rather than that none came any more.
+bool is_malformed(error_code failed) {
+  return failed && failed != http::error::end_of_stream &&
+         failed.category() == http::make_error_code(http::error::bad_method).category();
+}
+
 /// Counts a connection while it lasts, whatever it becomes.
 class Seat {
  public:
@@ -175,8 +181,7 @@ class RequestSession : public WebSession, public std::enable_shared_from_this<Re
       hub_.count(&WebCounts::malformed);
       return write(plain({}, http::status::payload_too_large, "too large"), true);
     }
-    if (failed && failed.category() == http::make_error_code(http::error::end_of_stream).category() &&
-        failed != http::error::end_of_stream) {
+    if (is_malformed(failed)) {
       hub_.count(&WebCounts::malformed);
       return write(plain({}, http::status::bad_request, "this is no HTTP"), true);
     }
