@@ -80,7 +80,8 @@ export class MapScene {
   #isDirty = true;
   #isLoading = false;  // dirty, but only by tiles that came
   #last = 0;
-  #restless = 0;     // frames one after the other
+  #isMoving = false;  // the frame before was one of a movement
+  #timed = [];       // [ms] frames one after the other, since the budget changed
   #resolution = 1;   // share of the screen's
   #isStill = false;  // nothing moves: there is time for detail
   #stillBudget = 0;
@@ -350,21 +351,20 @@ export class MapScene {
     const kShort = 19;
     const kFewest = 20_000;
     const kCoarsest = 0.35;
-    const kPause = 300;  // [ms], after which nothing was drawn for its own sake
-    if (elapsed > kPause) return;
-    this.frameTime += 0.15 * (elapsed - this.frameTime);
-    if (++this.#restless < 8) return;
-    const slowness = Math.max(0.6, kLong / this.frameTime);
+    this.#timed.push(elapsed);
+    const count = this.#timed.length;
+    const mean = this.#timed.reduce((sum, time) => sum + time, 0) / count;
+    if (count < 3 || (count < 8 && mean < 2 * kLong)) return;
+    this.frameTime = mean;
+    this.#timed = [];
+    const slowness = Math.max(0.2, kLong / this.frameTime);
     if (this.frameTime > kLong) {
       if (this.budget > kFewest) this.budget = Math.max(kFewest, Math.min(this.budget, 1.2 * this.drawnPoints) * slowness);
       else this.#resolution = Math.max(kCoarsest, this.#resolution * Math.sqrt(slowness));
     } else if (this.frameTime < kShort) {
       if (this.#resolution < 1) this.#resolution = Math.min(1, this.#resolution * 1.1);
       else if (this.drawnPoints > 0.7 * this.budget) this.budget = Math.min(kMostPoints, this.budget * 1.15);
-    } else {
-      return;
     }
-    this.#restless = 0;
   }
 
   #draw(now) {
@@ -375,7 +375,7 @@ export class MapScene {
     const kStillTime = 300;  // [ms] that a frame may take then
     const elapsed = now - this.#last;
     if (!this.#isDirty && this.tree.isComplete) {
-      this.#restless = 0;
+      this.#isMoving = false;
       if (this.#isStill || elapsed < kRest) return;
       this.#isStill = true;
       this.#stillBudget = Math.max(1, kStillTime / this.frameTime) * this.budget;
@@ -385,7 +385,9 @@ export class MapScene {
       this.#resize();
     }
     this.#last = now;
-    if (this.#isDirty && !this.#isLoading) this.#adapt(elapsed);
+    const isMoving = this.#isDirty && !this.#isLoading;
+    if (isMoving && this.#isMoving) this.#adapt(elapsed);
+    this.#isMoving = isMoving;
     this.#isDirty = this.#isLoading = false;
     const budget = this.#isStill ? Math.min(this.#stillBudget, kMostPoints) : this.budget;
     this.camera.updateMatrixWorld();

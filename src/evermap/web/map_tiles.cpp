@@ -34,19 +34,18 @@ PointChange change_of(const auto& drawn) {
 /// Keeps one of those in each cell. `cell`: [voxels] its edge.
 template <class Drawn>
 std::vector<Drawn> thin(const std::vector<Drawn>& all, int cell) {
-  std::vector<std::int32_t> chosen(kCells * kCells * kCells, -1);
+  std::vector<std::int32_t> chosen(std::size_t{kCells} * kCells * kCells, -1);
   const auto rank = [&](const Drawn& drawn) {
     const Eigen::Array3f in_cell = drawn.position.array() / static_cast<float>(cell);
     const float off_center = (in_cell - in_cell.floor() - 0.5F).matrix().squaredNorm();
     return std::pair(change_of(drawn) == PointChange::kNone, off_center);
   };
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const Eigen::Array3i at = (all[i].position.array() / static_cast<float>(cell))
-                                  .floor()
-                                  .template cast<int>()
-                                  .max(0)
-                                  .min(kCells - 1);
-    std::int32_t& best = chosen[static_cast<std::size_t>((at.z() * kCells + at.y()) * kCells + at.x())];
+    const auto at = [&](int axis) {
+      const float cells = std::floor(all[i].position[axis] / static_cast<float>(cell));
+      return static_cast<std::size_t>(std::clamp(cells, 0.0F, kCells - 1.0F));
+    };
+    std::int32_t& best = chosen[(at(2) * kCells + at(1)) * kCells + at(0)];
     if (best < 0 || rank(all[i]) < rank(all[static_cast<std::size_t>(best)]))
       best = static_cast<std::int32_t>(i);
   }
