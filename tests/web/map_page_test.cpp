@@ -122,6 +122,19 @@ TEST_F(MapPageTest, LeavesKnowSinceWhenTheyAreThere) {
   EXPECT_EQ(of_third, 1U);
 }
 
+TEST_F(MapPageTest, AMapThatAnotherProcessPutInPlaceIsShown) {
+  MapPage page(map());
+  const std::string changed = Json::parse(ask(page, "/api/page").body)["changed"].dump();
+  EXPECT_EQ(leaves_of(page, "now"), occupied(second_));
+  Octree third = second_;
+  Leaf& leaf = third.find_or_insert(VoxelKey::from_voxel({1, 2, 3}));
+  leaf.count = 5;
+  leaf.log_odds = 2;
+  MapStore(map()).commit(third, {"another", ""});
+  EXPECT_EQ(leaves_of(page, "now"), occupied(third));
+  EXPECT_NE(Json::parse(ask(page, "/api/page").body)["changed"].dump(), changed);
+}
+
 TEST_F(MapPageTest, ALiveMapTellsWhatChanges) {
   MapPage page(map(), first_);
   EXPECT_EQ(Json::parse(ask(page, "/api/page").body)["live"], true);

@@ -6,12 +6,21 @@ import { Panel, inMetres, pieceInWords } from './panel.js';
 import { openSource } from './source.js';
 
 const source = openSource();
-const scene = new MapScene(document.getElementById('map'));
+const scene = sceneOrWords();
 let page = null;
 let changes = [];
 let measured = null;  // places, while distances are measured
 let colour = 'height';
 let sectionAt = 1;    // share of the map's height
+
+function sceneOrWords() {
+  try {
+    return new MapScene(document.getElementById('map'));
+  } catch (error) {
+    document.getElementById('notice').textContent = 'this browser cannot draw in 3D: it has no WebGL 2';
+    throw error;
+  }
+}
 
 const panel = new Panel({
   colour: (mode) => { colour = mode; scene.colourBy(mode); showScale(); },
@@ -62,6 +71,7 @@ async function showMap() {
     const blocks = await source.blocks(map);
     if (map !== panel.map) return;
     scene.showMap(source, map, page, blocks);
+    if (blocks.length === 0) panel.notice('this map has no leaves');
     await showChanges();
   } catch (error) {
     panel.notice(error.message);
@@ -143,7 +153,15 @@ async function start() {
   }
   await showMap();
   showSection();
-  if (!page.live) return;
+  if (!page.live) {
+    // Another process may change the map.
+    const kLook = 5000;  // [ms]
+    if (!source.hasOneLevel) setInterval(async () => {
+      const { changed } = await source.page().catch(() => page);
+      if (changed !== page.changed) describe().then(showMap).catch((error) => panel.notice(error.message));
+    }, kLook);
+    return;
+  }
   let isFirst = true;
   const kChanges = 5000;  // [ms]
   setInterval(() => panel.hasComparison && panel.map === 'now' && showChanges().catch(() => {}), kChanges);

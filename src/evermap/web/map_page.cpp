@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <evermap/files/file_error.hpp>
+#include <evermap/history/detail/file_stamp.hpp>
 #include <evermap/history/map_history.hpp>
 #include <evermap/map/detail/leaf_changes.hpp>
 #include <evermap/web/detail/map_tiles.hpp>
@@ -120,6 +121,7 @@ std::string base64(const std::string& bytes) {
 }  // namespace
 
 struct MapPage::View {
+  FileStamp stamp;  ///< of the map file, when it was read
   std::mutex mutex;
   MapTiles tiles;
 };
@@ -134,7 +136,7 @@ MapPage::MapPage(std::filesystem::path map, std::string shown)
 }
 
 MapPage::MapPage(std::filesystem::path map, const Octree& begun)
-    : map_(std::move(map)), shown_(kNow), live_(new View{{}, MapTiles(begun, begun)}) {}
+    : map_(std::move(map)), shown_(kNow), live_(new View{{}, {}, MapTiles(begun, begun)}) {}
 
 MapPage::~MapPage() = default;
 
@@ -160,7 +162,10 @@ void MapPage::set_commands(TakeCommand take) {
 
 std::string MapPage::describe() {
   const std::shared_ptr<View> shown = view(shown_);
-  Json json = {{"name", map_.filename().string()}, {"live", live_ != nullptr}, {"shown", shown_}};
+  Json json = {{"name", map_.filename().string()},
+               {"live", live_ != nullptr},
+               {"shown", shown_},
+               {"changed", stamp_of(map_).changed}};
   {
     const std::lock_guard<std::mutex> lock(shown->mutex);
     json.update(grid_json(shown->tiles.map()));
@@ -180,6 +185,7 @@ std::string MapPage::describe() {
 }
 
 std::shared_ptr<MapPage::View> MapPage::load(const std::string& name) const {
+  const FileStamp stamp = stamp_of(map_);
   LeafAges ages;
   const auto read = [&](const std::string& version, LeafAges* to) {
     const VersionVisitor note = [to](const MapVersion& made, const Octree& before,
@@ -201,13 +207,15 @@ std::shared_ptr<MapPage::View> MapPage::load(const std::string& name) const {
   const std::size_t dots = name.find("..");
   if (dots == std::string::npos) {
     Octree map = read(name, &ages);
-    return std::shared_ptr<View>(new View{{}, MapTiles(std::move(map), std::nullopt, std::move(ages))});
+    return std::shared_ptr<View>(
+        new View{stamp, {}, MapTiles(std::move(map), std::nullopt, std::move(ages))});
   }
   Octree before = read(name.substr(0, dots), nullptr);
   Octree after = read(name.substr(dots + 2), &ages);
   if (before.grid() != after.grid())
     throw NotFound("these versions have leaves of another size, or in other places");
-  return std::shared_ptr<View>(new View{{}, MapTiles(std::move(after), std::move(before), std::move(ages))});
+  return std::shared_ptr<View>(
+      new View{stamp, {}, MapTiles(std::move(after), std::move(before), std::move(ages))});
 }
 
 std::shared_ptr<MapPage::View> MapPage::view(const std::string& name) {
@@ -215,6 +223,11 @@ std::shared_ptr<MapPage::View> MapPage::view(const std::string& name) {
   const std::lock_guard<std::mutex> lock(views_mutex_);
   auto found =
       std::find_if(views_.begin(), views_.end(), [&](const auto& known) { return known.first == name; });
+  // Another process may have put another map in place.
+  if (found != views_.end() && name.ends_with(kNow) && !live_ && found->second->stamp != stamp_of(map_)) {
+    views_.erase(found);
+    found = views_.end();
+  }
   if (found == views_.end()) {
     views_.emplace_front(name, load(name));
     if (views_.size() > kMostViews) views_.pop_back();
