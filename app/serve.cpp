@@ -104,7 +104,7 @@ class Watch {
     last_.level = diagnosis.level;
     last_.message = diagnosis.message;
     last_.values = diagnosis.values;
-    last_.T_map_base = server.T_map_base();
+    last_.T_map_base = server.base_pose();
     if (!result && diagnosis.level != Diagnosis::kOk) last_.is_believed = false;
     page_->tell(last_);
   }

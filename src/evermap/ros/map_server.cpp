@@ -93,7 +93,7 @@ class MapServer::Node {
   Octree map() const { return maintainer_ ? maintainer_->map() : *map_; }
 
   const ServerCounts& counts() const { return counts_; }
-  const Pose& T_map_base() const { return T_map_base_; }
+  const Pose& base_pose() const { return T_map_base_; }
   const std::vector<Eigen::Vector3d>& p_sensor_of_last() const { return p_sensor_of_last_; }
 
   using Reply = std::function<void(const std::string& reply)>;
@@ -486,7 +486,7 @@ void MapServer::command(const std::string& text, std::function<void(const std::s
 }
 const ServerCounts& MapServer::counts() const { return node_->counts(); }
 Diagnosis MapServer::diagnosis() const { return node_->diagnosis(); }
-const Pose& MapServer::T_map_base() const { return node_->T_map_base(); }
+const Pose& MapServer::base_pose() const { return node_->base_pose(); }
 const std::vector<Eigen::Vector3d>& MapServer::p_sensor_of_last() const { return node_->p_sensor_of_last(); }
 
 }  // namespace evermap

@@ -73,7 +73,7 @@ class MapServer {
 
   const ServerCounts& counts() const;
   Diagnosis diagnosis() const;
-  const Pose& T_map_base() const;                                ///< where the base was last believed to be
+  const Pose& base_pose() const;  ///< T_map_base, where the base was last believed to be
   const std::vector<Eigen::Vector3d>& p_sensor_of_last() const;  ///< [m] points of the last cloud used
 
  private:
