@@ -103,7 +103,7 @@ def markdown(section, pictures):
         elif isinstance(block, Table):
             lines = [[c.title for c in block.columns], ["---"] * len(block.columns)]
             lines += [[cell_text(c, value) for c, value in zip(block.columns, row)] for row in block.rows]
-            text += "\n".join(f"| {' | '.join(line)} |" for line in lines).replace("| --- |", "|---|")
+            text += "\n".join(f"| {' | '.join(line)} |" for line in lines).replace(" --- ", "---")
             text += f"\n\n*{block.caption}*\n\n"
         else:
             text += block + "\n\n"
