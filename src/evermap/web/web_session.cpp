@@ -211,7 +211,7 @@ class RequestSession : public WebSession, public std::enable_shared_from_this<Re
       case Door::Verdict::kNewcomer: {
         Response response = plain(request_, http::status::see_other, "");
         response.set(http::field::set_cookie, hub_.door.cookie());
-        response.set(http::field::location, path);
+        response.set(http::field::location, "/");
         return write(std::move(response));
       }
       case Door::Verdict::kWelcome:
