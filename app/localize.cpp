@@ -87,8 +87,9 @@ void run_localize(const LocalizeOptions& options) {
                            options.maintain ? MapMode::kMaintenance : MapMode::kLocalization,
                            scans.before.empty() ? options.initial_pose : scans.before.back().T_map_sensor);
   MapCause cause = cause_of("localize", options.scans.scans, parameters);
-  const Octree before = maintainer.map();
-  if (store) store->begin(before, cause, options.journal);
+  std::optional<Octree> before;  // while it is kept, what the run changes is copied
+  if (!options.report.empty()) before = maintainer.map();
+  if (store) store->begin(maintainer.map(), cause, options.journal);
   PoseLog log(options.poses);
   const auto acknowledge = [&](const LocalizedRun& run) {
     log.extend(run.trajectory);
@@ -107,11 +108,12 @@ void run_localize(const LocalizeOptions& options) {
         fmt::format(", {} of {} scans tracked", run.count(TrackingState::kTracking), run.scans.size());
     put_in_place(*store, maintainer.map(), cause);
   }
-  if (!options.report.empty() && run.run.stopped_by == 0) {
-    const MapChange change(options.map_out, before, maintainer.map());
+  if (before && run.run.stopped_by == 0) {
+    const Octree after = maintainer.map();
+    const MapChange change(options.map_out, *before, after);
     Json json = to_json(change);
     json.update(to_json(run));
-    write_report(options.report, json, change, before, maintainer.map());
+    write_report(options.report, json, change, *before, after);
   }
   if (options.as_json) {
     Json json = {{"poses", options.poses.string()}};

@@ -4,12 +4,11 @@
 // the pictures of docs/live.md in FOLDER, and says how soon what changed was drawn.
 import { execFileSync, spawn } from 'node:child_process';
 import { mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
+import { firstPose, isComplete, launch } from './browser.mjs';
 
 const [program, packages, pictures] = process.argv.slice(2);
-const { chromium } = createRequire(join(packages, 'package.json'))('playwright-core');
 const folder = mkdtempSync(join(tmpdir(), 'evermap-film-'));
 const domain = String(101 + (process.pid % 100));
 const kSpeed = 0.5;  // the browser draws without a graphics card, on the processors that serve the map
@@ -38,20 +37,18 @@ for (const name of readdirSync(join(run, 'scans')).sort().slice(...kCut)) {
   writeFileSync(file, Buffer.concat([Buffer.from(header.replaceAll(String(count), String(kept.length))), ...kept]));
 }
 
-const start = readFileSync(join(run, 'poses.txt'), 'utf8').split('\n').find((line) => /^\d/.test(line)).split(' ').slice(1).join(' ');
+const start = firstPose(join(run, 'poses.txt'));
 const server = spawn(program, ['serve', map, '--local', '--domain', domain, '--port', '0', '--initial-pose', start],
   { stdio: ['ignore', 'pipe', 'inherit'] });
 const url = await new Promise((resolve) => server.stdout.on('data', (data) => {
   const said = String(data).match(/page +(\S+)/);
   if (said) resolve(said[1]);
 }));
-const browser = await chromium.launch({
-  executablePath: '/usr/bin/chromium', args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-});
+const browser = await launch(packages);
 const page = await browser.newPage({ viewport: { width: 1000, height: 600 } });
 const opened = performance.now();
 await page.goto(url);
-const complete = async () => { while (!(await page.evaluate('Boolean(window.evermap?.isComplete)'))) await pause(0.05); };
+const complete = async () => { while (!(await isComplete(page))) await pause(0.05); };
 while (!(await page.evaluate('window.evermap?.scene.drawnPoints > 0'))) await pause(0.02);
 console.log(`the first picture of the map is there ${((performance.now() - opened) / 1000).toFixed(1)} s after the page was asked for`);
 const look = (target, offset) => page.evaluate(`evermap.scene.look(evermap.scene.toScene(${JSON.stringify(target)}),
@@ -97,7 +94,7 @@ if (gone) {
 await browser.close();
 
 // How soon a page has what changed: from the message that names a block to its points, while nothing is drawn here.
-const quiet = await chromium.launch({ executablePath: '/usr/bin/chromium', args: ['--no-sandbox'] });
+const quiet = await launch(packages);
 const listener = await quiet.newPage();
 await listener.goto(`${url}api/status`);
 await listener.evaluate(`(() => {

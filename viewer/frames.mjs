@@ -2,17 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // node frames.mjs URL PACKAGES: how many frames a second of a served map Chromium draws while the eye goes round it, drawn by the
 // processor; every four seconds.
-import { createRequire } from 'node:module';
-import { join } from 'node:path';
+import { isComplete, launch } from './browser.mjs';
 
 const [url, packages] = process.argv.slice(2);
-const { chromium } = createRequire(join(packages, 'package.json'))('playwright-core');
-const browser = await chromium.launch({
-  executablePath: '/usr/bin/chromium', args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-});
+const browser = await launch(packages);
 const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
 await page.goto(url);
-while (!(await page.evaluate('Boolean(window.evermap?.isComplete)'))) await new Promise((resolve) => setTimeout(resolve, 50));
+while (!(await isComplete(page))) await new Promise((resolve) => setTimeout(resolve, 50));
 for (let turn = 0; turn < 4; ++turn) {
   const frames = await page.evaluate(`new Promise((done) => {
     const { scene } = evermap;

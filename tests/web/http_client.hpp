@@ -48,6 +48,14 @@ class RawConnection {
   int socket_;
 };
 
+/// Asks for a WebSocket.
+inline std::string upgrade(const std::string& path = "/api/live", const std::string& headers = "") {
+  return "GET " + path +
+         " HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n" +
+         headers + "\r\n";
+}
+
 /// The whole answer to a request, after which the connection is closed.
 inline std::string ask(std::uint16_t port, const std::string& line, const std::string& headers = "",
                        const std::string& body = "") {

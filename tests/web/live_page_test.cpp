@@ -35,9 +35,7 @@ TEST(LivePage, ThreadsAskWhileTheMapChanges) {
     });
   }
   const RawConnection listener(page.server().port());
-  listener.send(
-      "GET /api/live HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-      "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n");
+  listener.send(upgrade());
   listener.receive("\r\n\r\n");
   const std::vector<Eigen::Vector3d> scan(100, Eigen::Vector3d(1, 2, 3));
   for (std::size_t i = 0; i < 200 || answers < 40; ++i) {

@@ -4,18 +4,16 @@
 // kept there. Exit code 77 where there is no Chromium.
 import assert from 'node:assert/strict';
 import { execFileSync, spawn } from 'node:child_process';
-import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { createServer } from 'node:http';
-import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
+import { chromium, firstPose, isComplete, launch } from '../../viewer/browser.mjs';
 
 const [program, packages, pictures] = process.argv.slice(2);
-const chromium = ['/usr/bin/chromium', '/usr/bin/google-chrome'].find((path) => existsSync(path));
 if (!chromium) process.exit(77);
-const playwright = createRequire(join(packages, 'package.json'))('playwright-core');
 const folder = mkdtempSync(join(tmpdir(), 'evermap-page-'));
 const inFolder = (name) => join(folder, name);
 const domain = String(101 + (process.pid % 100));
@@ -67,7 +65,7 @@ async function open(t, url, options = {}) {
   await complete(page);
   return page;
 }
-const complete = (page) => until(() => page.evaluate('Boolean(window.evermap?.isComplete)'), 'the picture');
+const complete = (page) => until(() => isComplete(page), 'the picture');
 const keep = (page, name) => pictures && page.screenshot({ path: join(pictures, name) });
 
 /** How many of the drawn pixels are of a kind. */
@@ -97,9 +95,7 @@ before(async () => {
   evermap('import', inFolder('yard/survey.ply'), '-r', '0.2', '-o', inFolder('live.evm'));
   evermap('update', inFolder('yard.evm'), inFolder('yard/scans'), '--poses', inFolder('yard/poses.txt'), '-o', inFolder('yard.evm'),
     '--report', inFolder('report'));
-  browser = await playwright.chromium.launch({
-    executablePath: chromium, args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-  });
+  browser = await launch(packages);
 });
 after(async () => {
   await browser?.close();
@@ -238,7 +234,7 @@ test('another site cannot ask, nor listen', async (t) => {
 });
 
 test('follows a robot, and its server when that begins anew', async (t) => {
-  const start = readFileSync(inFolder('yard/poses.txt'), 'utf8').split('\n').find((line) => /^\d/.test(line)).split(' ').slice(1).join(' ');
+  const start = firstPose(inFolder('yard/poses.txt'));
   const run = (port) => serve('serve', inFolder('live.evm'), '--local', '--domain', domain, '--initial-pose', start, '--port', port);
   let server = await run('0');
   const page = await open(t, server.url, { viewport: { width: 800, height: 480 } });

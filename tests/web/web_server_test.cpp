@@ -27,13 +27,6 @@ WebOptions anywhere() {
   return options;
 }
 
-std::string upgrade(const std::string& path = "/api/live", const std::string& headers = "") {
-  return "GET " + path +
-         " HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n" +
-         headers + "\r\n";
-}
-
 template <class Holds>
 bool soon(Holds&& holds) {
   for (int i = 0; i < 1000 && !holds(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));

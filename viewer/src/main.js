@@ -42,11 +42,9 @@ const panel = new Panel({
 
 function showScale() {
   const [low, high] = scene.heights;
-  const newest = panel.versions.at(-1)?.number;
+  const versions = ['first version', panel.isLive ? 'this run' : `version ${panel.versions.at(-1)?.number ?? ''}`];
   const ends = {
-    height: [`${low.toFixed(1)} m`, `${high.toFixed(1)} m`], occupancy: ['50 %', '100 %'],
-    since: ['first version', panel.isLive ? 'this run' : `version ${newest ?? ''}`],
-    seen: ['first version', panel.isLive ? 'this run' : `version ${newest ?? ''}`],
+    height: [`${low.toFixed(1)} m`, `${high.toFixed(1)} m`], occupancy: ['50 %', '100 %'], since: versions, seen: versions,
   };
   panel.scale(scaleOf(colour), ...ends[colour]);
 }
@@ -77,6 +75,8 @@ async function showMap() {
     panel.notice(error.message);
   }
 }
+
+const showAnew = () => describe().then(showMap).catch((error) => panel.notice(error.message));
 
 async function showChanges() {
   changes = panel.hasComparison || source.hasOneLevel ? await source.changes(panel.map) : [];
@@ -157,8 +157,8 @@ async function start() {
     // Another process may change the map.
     const kLook = 5000;  // [ms]
     if (!source.hasOneLevel) setInterval(async () => {
-      const { changed } = await source.page().catch(() => page);
-      if (changed !== page.changed) describe().then(showMap).catch((error) => panel.notice(error.message));
+      const { changed } = await source.status().catch(() => page);
+      if (changed !== page.changed) showAnew();
     }, kLook);
     return;
   }
@@ -168,7 +168,7 @@ async function start() {
   source.listen({
     again: async () => {
       panel.notice('');
-      if (!isFirst) await describe().then(showMap).catch((error) => panel.notice(error.message));
+      if (!isFirst) await showAnew();
       isFirst = false;
     },
     silence: () => panel.notice('no connection; tries again'),
@@ -178,7 +178,6 @@ async function start() {
       scene.showRobot(status.believed ? status.pose : null, status.level);
     },
     scan: (buffer) => scene.showScan(buffer),
-    reply: (reply) => panel.reply(reply),
   });
 }
 

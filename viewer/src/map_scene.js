@@ -8,7 +8,7 @@ import {
 } from 'three';
 import { MapControls } from 'three/addons/controls/MapControls.js';
 import { scaleOf } from './colours.js';
-import { TileTree } from './tile_tree.js';
+import { TileTree, kCells } from './tile_tree.js';
 
 const kModes = { height: 0, occupancy: 1, since: 2, seen: 3 };
 const kStateColours = { 0: 0x56b4e9, 1: 0xe69f00, 2: 0xd55e00 };
@@ -129,13 +129,13 @@ export class MapScene {
     if (isFirst) {
       const center = [0, 0, 0];
       for (const { at } of blocks) for (let i = 0; i < 3; ++i) center[i] += (at[i] + 0.5) / blocks.length;
-      this.#frame = { origin: page.origin, edge: page.edge, center: center.map((x, i) => x * 64 * page.edge + page.origin[i]) };
+      this.#frame = { origin: page.origin, edge: page.edge, center: center.map((x, i) => x * kCells * page.edge + page.origin[i]) };
     }
     this.tree?.close();
     this.mapName = name;
     this.drawnPoints = 0;
-    this.tree = new TileTree(blocks, this.#frame, source, async (level, at, tile) => {
-      const points = this.#pointsOf(await source.tile(name, level, at), tile);
+    this.tree = new TileTree(blocks, this.#frame, source, async (tile) => {
+      const points = this.#pointsOf(await source.tile(name, tile.level, tile.at), tile);
       this.#isLoading ||= !this.#isDirty;
       this.#isDirty = true;
       return points;
@@ -281,7 +281,6 @@ export class MapScene {
     const view = new Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse);
     let best = null;
     let bestRank = Infinity;
-    const cameraAt = this.camera.position;
     for (const object of this.#tiles.children) {
       const { tile } = object.userData;
       const shorts = new Uint16Array(tile.points.buffer);
@@ -303,7 +302,7 @@ export class MapScene {
         bestRank = rank;
         const at = new Vector3(px, py, pz).multiplyScalar(tile.edge).add(tile.box.min);
         best = {
-          at, distance: at.distanceTo(cameraAt), cell: tile.cell, change,
+          at, cell: tile.cell, change,
           since: shorts[8 * i + 3], seen: shorts[8 * i + 4], probability: bytes[16 * i + 13] / 255,
         };
       }

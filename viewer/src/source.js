@@ -54,7 +54,6 @@ export class ServerSource {
         hear.blocks(message.blocks.map(([x, y, z, leaves, revision]) => ({ at: [x, y, z], leaves, revision })));
       }
       if (message.status) hear.status(message.status);
-      if (message.reply) hear.reply(message.reply);
     };
     socket.onclose = () => {
       hear.silence();

@@ -40,6 +40,8 @@ class Tile {
 /** `frame`: { edge, origin, center } of the grid and the scene [m]. */
 export class TileTree {
   tiles = new Map();
+  roots = [];          // the coarsest
+  #leaves = new Map(); // of each block
   #frame;
   #finest;
   #hasOneLevel;
@@ -51,7 +53,7 @@ export class TileTree {
   #generation = 0;
   #drawn = [];
 
-  /** `load(level, at)` gives a promise of points, `unload(points)` frees them. */
+  /** `load(tile)` gives a promise of points, `unload(points)` frees them. */
   constructor(blocks, frame, source, load, unload) {
     this.#frame = frame;
     this.#finest = source.finestLevel;
@@ -73,13 +75,16 @@ export class TileTree {
   update(blocks) {
     for (const block of blocks) {
       let child = null;
-      const before = this.tiles.get(name(this.#finest, this.#placeOf(block, this.#finest)))?.leaves ?? 0;
-      const grown = this.#finest === 0 ? block.leaves - before : block.leaves;
+      const key = block.at.join('/');
+      const grown = block.leaves - (this.#leaves.get(key) ?? 0);
+      this.#leaves.set(key, block.leaves);
       for (let level = this.#finest; level <= this.top; ++level) {
         const at = this.#placeOf(block, level);
         let tile = this.tiles.get(name(level, at));
-        const isNew = !tile;
-        if (isNew) this.tiles.set(name(level, at), (tile = new Tile(level, at, this.#frame)));
+        if (!tile) {
+          this.tiles.set(name(level, at), (tile = new Tile(level, at, this.#frame)));
+          if (level === this.top) this.roots.push(tile);
+        }
         if (child && !tile.children.includes(child)) tile.children.push(child);
         tile.leaves += grown;
         tile.revision = Math.max(tile.revision, block.revision);
@@ -89,8 +94,6 @@ export class TileTree {
   }
 
   #placeOf({ at }, level) { return at.map((i) => Math.floor(i / 2 ** level)); }
-
-  get roots() { return [...this.tiles.values()].filter((tile) => tile.level === this.top); }
 
   /** Everything, [m] in the scene. */
   get box() {
@@ -149,7 +152,7 @@ export class TileTree {
     const generation = this.#generation;
     const revision = tile.revision;
     try {
-      const points = await this.#load(tile.level, tile.at, tile);
+      const points = await this.#load(tile);
       if (generation !== this.#generation) return this.#unload(points);
       if (tile.points) this.#unload(tile.points);
       tile.points = points;

@@ -7,6 +7,7 @@
 #include <set>
 #include <unordered_map>
 
+#include <evermap/map/detail/block_leaves.hpp>
 #include <evermap/map/detail/leaf_changes.hpp>
 #include <evermap/map/map_difference.hpp>
 #include <evermap/ros/detail/idl_types.hpp>
@@ -29,19 +30,12 @@ class CloudOfTiles {
   explicit CloudOfTiles(const Octree& map) : one_in_(1 + map.leaf_count() / kMostLeaves) {}
 
   void add_tile(const Octree& map, std::uint64_t block_key) {
-    const VoxelKey first = VoxelKey::first_of_block(block_key);
-    const Eigen::Vector3i tile = first.voxel() / VoxelKey::kBlockEdge;
+    const Eigen::Vector3i tile = VoxelKey::first_of_block(block_key).voxel() / VoxelKey::kBlockEdge;
     const std::size_t before = points_.size();
-    if (const Octree::Block* block = map.find_block(block_key)) {
-      block->for_each([&](int brick_index, const Brick& brick) {
-        const VoxelKey brick_key = first.first_of_brick(brick_index);
-        brick.for_each([&](int voxel, const Leaf& leaf) {
-          const VoxelKey key = brick_key.with_voxel(voxel);
-          if (leaf.occupied() && hash_bits(key.bits()) % one_in_ == 0)
-            add_point(map.gaussian(key, leaf).mean, leaf.log_odds, tile);
-        });
-      });
-    }
+    for_each_leaf_of(map, block_key, [&](VoxelKey key, const Leaf& leaf) {
+      if (leaf.occupied() && hash_bits(key.bits()) % one_in_ == 0)
+        add_point(map.gaussian(key, leaf).mean, leaf.log_odds, tile);
+    });
     // Nothing is left there: one point that is none tells which tile is empty.
     if (points_.size() == before) add_point(Eigen::Vector3d::Constant(std::nan("")), 0, tile);
   }

@@ -75,17 +75,8 @@ std::uint16_t saturated(int version) {
 void add_ages(const MapVersion& version, const Octree& before, std::span<const LeafChange> changes,
               LeafAges& ages) {
   if (version.is_whole) return;  // as old as the history
-  const std::uint16_t number = saturated(version.number);
-  for (const LeafChange& change : changes) {
-    const std::uint64_t key = change.key.bits();
-    if (!change.leaf.occupied()) {
-      ages.erase(key);
-      continue;
-    }
-    const auto [age, is_new] =
-        ages.try_emplace(key, LeafAge{before.is_occupied(change.key) ? std::uint16_t{0} : number, number});
-    if (!is_new) age->second.seen = number;
-  }
+  for (const LeafChange& change : changes)
+    note_version(change, before.is_occupied(change.key), saturated(version.number), ages);
 }
 
 Json to_json(const TileBlock& block) {
@@ -269,6 +260,7 @@ WebReply MapPage::reply_to(const std::string& path) {
   if (words.size() == 2 && words[0] == "api" && words[1] == "page")
     return {200, "application/json", describe()};
   if (words.size() == 2 && words[0] == "api" && words[1] == "status") {
+    if (!live_) return json_reply({{"changed", stamp_of(map_).changed}});
     const std::lock_guard<std::mutex> lock(robot_mutex_);
     return {200, "application/json", status_.empty() ? "{}" : status_};
   }

@@ -26,7 +26,7 @@ class MapTiles;
 ///   GET  /api/maps/MAP/blocks                  where there is surface: see TileBlock
 ///   GET  /api/maps/MAP/tiles/LEVEL/X/Y/Z       what to draw there: see TilePoint and MapTiles
 ///   GET  /api/maps/MAP/changes                 of two versions: what came and what went, in pieces
-///   GET  /api/status                           where the robot is and how it is
+///   GET  /api/status                           where the robot is and how it is; of a file, when it changed
 ///   POST /api/command                          to the robot's map keeper
 ///
 /// MAP is `now`, a version's number, or two of these, `3..now`: what the later one changed. All functions may

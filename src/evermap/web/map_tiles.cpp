@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <evermap/map/detail/block_leaves.hpp>
 #include <evermap/map/detail/leaf_changes.hpp>
 #include <evermap/map/detail/leaf_finder.hpp>
 #include <evermap/web/detail/map_tiles.hpp>
@@ -19,16 +20,7 @@ constexpr int kCells = VoxelKey::kBlockEdge;  ///< of a tile, a side
 constexpr int kCoarse = 2;                    ///< level of which each block's points are kept
 
 Eigen::Vector3i block_at(std::uint64_t block) {
-  const Eigen::Vector3i first = VoxelKey::first_of_block(block).voxel();
-  return {first.x() >> 6, first.y() >> 6, first.z() >> 6};
-}
-
-PointChange change_of(const auto& drawn) {
-  if constexpr (requires { drawn.change(); }) {
-    return drawn.change();
-  } else {
-    return drawn.change;
-  }
+  return VoxelKey::first_of_block(block).voxel() / VoxelKey::kBlockEdge;
 }
 
 /// Keeps one of those in each cell. `cell`: [voxels] its edge.
@@ -38,7 +30,7 @@ std::vector<Drawn> thin(const std::vector<Drawn>& all, int cell) {
   const auto rank = [&](const Drawn& drawn) {
     const Eigen::Array3f in_cell = drawn.position.array() / static_cast<float>(cell);
     const float off_center = (in_cell - in_cell.floor() - 0.5F).matrix().squaredNorm();
-    return std::pair(change_of(drawn) == PointChange::kNone, off_center);
+    return std::pair(!drawn.is_changed(), off_center);
   };
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto at = [&](int axis) {
@@ -57,17 +49,6 @@ std::vector<Drawn> thin(const std::vector<Drawn>& all, int cell) {
   return kept;
 }
 
-template <class Visit>
-void for_each_leaf_of(const Octree& map, std::uint64_t block_key, Visit&& visit) {
-  const Octree::Block* block = map.find_block(block_key);
-  if (block == nullptr) return;
-  const VoxelKey first = VoxelKey::first_of_block(block_key);
-  block->for_each([&](int brick_index, const Brick& brick) {
-    const VoxelKey in_brick = first.first_of_brick(brick_index);
-    brick.for_each([&](int voxel, const Leaf& leaf) { visit(in_brick.with_voxel(voxel), leaf); });
-  });
-}
-
 std::size_t leaf_count(const Octree& map, std::uint64_t block_key) {
   std::size_t count = 0;
   if (const Octree::Block* block = map.find_block(block_key))
@@ -76,6 +57,13 @@ std::size_t leaf_count(const Octree& map, std::uint64_t block_key) {
 }
 
 }  // namespace
+
+void note_version(const LeafChange& change, bool was_occupied, std::uint16_t version, LeafAges& ages) {
+  if (!change.leaf.occupied()) return;
+  LeafAge& age = ages[change.key.bits()];
+  if (!was_occupied) age.since = version;
+  age.seen = version;
+}
 
 MapTiles::MapTiles(Octree map, std::optional<Octree> before, LeafAges ages)
     : map_(std::move(map)), before_(std::move(before)), ages_(std::move(ages)) {}
@@ -153,8 +141,7 @@ MapTiles::DrawnPoint MapTiles::drawn(const DrawnLeaf& leaf) const {
   return point;
 }
 
-std::vector<MapTiles::DrawnPoint> MapTiles::coarse_points_of(std::uint64_t block) const {
-  const std::vector<DrawnLeaf> leaves = thin(leaves_of(block), 1 << kCoarse);
+std::vector<MapTiles::DrawnPoint> MapTiles::drawn(const std::vector<DrawnLeaf>& leaves) const {
   std::vector<DrawnPoint> points;
   points.reserve(leaves.size());
   for (const DrawnLeaf& leaf : leaves) points.push_back(drawn(leaf));
@@ -203,15 +190,15 @@ std::vector<TilePoint> MapTiles::tile(int level, const Eigen::Vector3i& at) {
       }
     }
     if (level > 0) leaves = thin(leaves, 1 << level);
-    points.reserve(leaves.size());
-    for (const DrawnLeaf& leaf : leaves) points.push_back(drawn(leaf));
+    points = drawn(leaves);
   } else {
     std::vector<std::uint64_t> missing;
     std::copy_if(blocks.begin(), blocks.end(), std::back_inserter(missing),
                  [&](std::uint64_t block) { return !coarse_.contains(block); });
     std::vector<std::vector<DrawnPoint>> made(missing.size());
-    oneapi::tbb::parallel_for(std::size_t{0}, missing.size(),
-                              [&](std::size_t i) { made[i] = coarse_points_of(missing[i]); });
+    oneapi::tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t i) {
+      made[i] = drawn(thin(leaves_of(missing[i]), 1 << kCoarse));
+    });
     for (std::size_t i = 0; i < missing.size(); ++i) coarse_[missing[i]] = std::move(made[i]);
     for (const std::uint64_t block : blocks) {
       for (DrawnPoint point : coarse_[block]) {
@@ -244,11 +231,7 @@ std::vector<TileBlock> MapTiles::show(Octree map, std::uint16_t since) {
     if (was_drawn != is_drawn ||
         (is_drawn && (was->mean_in_voxel - change.leaf.mean_in_voxel).norm() > least_move))
       changed.insert(change.key.block());
-    if (is_drawn) {
-      const auto [age, is_new] =
-          ages_.try_emplace(change.key.bits(), LeafAge{was_drawn ? LeafAge{}.since : since, since});
-      if (!is_new) age->second = {was_drawn ? age->second.since : since, since};
-    }
+    note_version(change, was_drawn, since, ages_);
   }
   map_ = std::move(map);
   ++revision_;

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include <evermap/map/detail/leaf_changes.hpp>
 #include <evermap/map/detail/surface_changes.hpp>
 #include <evermap/map/octree.hpp>
 
@@ -24,6 +25,9 @@ struct LeafAge {
 };
 /// By the bits of a leaf's key. What is not listed is as old as the history.
 using LeafAges = std::unordered_map<std::uint64_t, LeafAge>;
+
+/// A version wrote this leaf. One that went keeps its age.
+void note_version(const LeafChange& change, bool was_occupied, std::uint16_t version, LeafAges& ages);
 
 /// What became of a surface since an earlier map.
 enum class PointChange : std::uint8_t { kNone = 0, kCame = 1, kWent = 2 };
@@ -77,16 +81,17 @@ class MapTiles {
     VoxelKey key;
     const Leaf* leaf;
     PointChange change;
+    bool is_changed() const { return change != PointChange::kNone; }
   };
   struct DrawnPoint {
     Eigen::Vector3f position;  ///< likewise
     TilePoint point;           ///< but for its position
-    PointChange change() const { return point.change; }
+    bool is_changed() const { return point.change != PointChange::kNone; }
   };
 
   std::vector<DrawnLeaf> leaves_of(std::uint64_t block) const;
   DrawnPoint drawn(const DrawnLeaf& leaf) const;
-  std::vector<DrawnPoint> coarse_points_of(std::uint64_t block) const;
+  std::vector<DrawnPoint> drawn(const std::vector<DrawnLeaf>& leaves) const;
   TileBlock describe(std::uint64_t block) const;
   /// The blocks of a tile that hold something.
   std::vector<std::uint64_t> blocks_in(int level, const Eigen::Vector3i& at) const;
