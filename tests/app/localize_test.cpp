@@ -16,41 +16,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A KITTI scan of a room with a pillar, from `x`, `y` in it: unlike the round one, it holds every direction.
-std::string hall(double x, double y) {
-  std::vector<float> values;
-  for (int row = 0; row < 32; ++row) {
-    for (int column = 0; column < 360; ++column) {
-      const double elevation = -0.4 + 0.02 * row;
-      const double azimuth = 2 * M_PI * column / 360;
-      const double cx = std::cos(azimuth);
-      const double cy = std::sin(azimuth);
-      double across = std::min(((cx > 0 ? 12 : -9) - x) / cx, ((cy > 0 ? 7 : -8) - y) / cy);
-      const double along = (5 - x) * cx + (3 - y) * cy;
-      const double aside = std::abs((3 - y) * cx - (5 - x) * cy);
-      if (along > 0 && aside < 1) across = std::min(across, along - std::sqrt(1 - aside * aside));
-      double range = across / std::cos(elevation);
-      if (elevation < 0) range = std::min(range, -1.7 / std::sin(elevation));
-      for (const double value : {range * std::cos(elevation) * cx, range * std::cos(elevation) * cy,
-                                 range * std::sin(elevation), 0.0}) {
-        values.push_back(static_cast<float>(value));
-      }
-    }
-  }
-  return bytes_of(values);
-}
-
 class LocalizeTest : public ProgramTest {
  protected:
   static constexpr int kScans = 12;
-  LocalizeTest() {
-    std::filesystem::create_directory(path("scans"));
-    for (int i = 0; i < kScans; ++i) {
-      make("scans/" + std::to_string(1000 + i) + ".bin", hall(0.1 * i, 0.02 * i));
-      truth_ += "1 0 0 " + std::to_string(0.1 * i) + " 0 1 0 " + std::to_string(0.02 * i) + " 0 0 1 0\n";
-    }
-    make("truth.txt", truth_);
-  }
+  LocalizeTest() { make_hall_drive("scans", kScans); }
   std::vector<std::string> localize(const std::vector<std::string>& more = {}) const {
     std::vector<std::string> arguments = {"localize", name("map.evm"), name("scans"), "-o",
                                           name("poses.txt")};
@@ -58,7 +27,7 @@ class LocalizeTest : public ProgramTest {
     return arguments;
   }
   void build_map() const {
-    expect_done({"build", name("scans"), "--poses", name("truth.txt"), "-r", "0.4", "-o", name("map.evm")});
+    expect_done({"build", name("scans"), "--poses", name("scans.txt"), "-r", "0.4", "-o", name("map.evm")});
   }
   void expect_poses(const std::string& file, double tolerance) const {
     const std::vector<StampedPose> found = read_poses(path(file)).poses;
@@ -70,7 +39,6 @@ class LocalizeTest : public ProgramTest {
           << i;
     }
   }
-  std::string truth_;
 };
 
 TEST_F(LocalizeTest, FindsThePosesInAMap) {
@@ -103,7 +71,7 @@ TEST_F(LocalizeTest, BuildsAMapWithoutPoses) {
 
 TEST_F(LocalizeTest, TakesAnInitialPoseAndOdometry) {
   build_map();
-  make("odometry.txt", truth_);
+  make("odometry.txt", content(path("scans.txt")));
   expect_done(localize({"--odometry", name("odometry.txt"), "--initial-pose", "0.5 0.3 0 0 0 0 1"}));
   expect_poses("poses.txt", 0.03);
 }
@@ -245,7 +213,7 @@ TEST_F(LocalizeTest, WhatAKilledRunHadAcknowledgedIsThere) {
       std::filesystem::remove_all(path("few"));
       std::filesystem::create_directory(path("few"));
       for (int scan = 0; scan < count; ++scan) {
-        const std::string file = std::to_string(1000 + scan) + ".bin";
+        const std::string file = std::to_string(10000 + scan) + ".bin";
         std::filesystem::copy(scans / file, path("few") / file);
       }
       make("start.evm", before);
@@ -264,7 +232,7 @@ TEST_F(LocalizeTest, WhatAKilledRunHadAcknowledgedIsThere) {
 // The hall is exchanged for another one: what the first scans of it did before the robot was lost is undone.
 TEST_F(LocalizeTest, TakesBackWhatALostRobotDid) {
   build_map();
-  for (int i = 5; i < kScans; ++i) make("scans/" + std::to_string(1000 + i) + ".bin", hall(4, -7));
+  for (int i = 5; i < kScans; ++i) make("scans/" + std::to_string(10000 + i) + ".bin", hall(4, -7, 1.3));
   const Result result =
       run(localize({"--maintain", "--map-out", name("kept.evm"), "--json", "--rollback", "20"}));
   ASSERT_EQ(result.exit_code, 1) << "it is still lost at the end";

@@ -112,6 +112,30 @@ class ProgramTest : public FileTest {
     }
     return bytes_of(values);
   }
+  /// A KITTI scan of a room with a pillar, from `x`, `y` in it: unlike the round one, it holds every
+  /// direction. All that is in it, the sensor's height too, is `size` times as large.
+  static std::string hall(double x, double y, double size = 1) {
+    std::vector<float> values;
+    for (int row = 0; row < 32; ++row) {
+      for (int column = 0; column < 360; ++column) {
+        const double elevation = -0.4 + 0.02 * row;
+        const double azimuth = 2 * M_PI * column / 360;
+        const double cx = std::cos(azimuth);
+        const double cy = std::sin(azimuth);
+        double across = std::min(((cx > 0 ? 12 : -9) - x) / cx, ((cy > 0 ? 7 : -8) - y) / cy);
+        const double along = (5 - x) * cx + (3 - y) * cy;
+        const double aside = std::abs((3 - y) * cx - (5 - x) * cy);
+        if (along > 0 && aside < 1) across = std::min(across, along - std::sqrt(1 - aside * aside));
+        double range = across / std::cos(elevation);
+        if (elevation < 0) range = std::min(range, -1.7 / std::sin(elevation));
+        for (const double value : {range * std::cos(elevation) * cx, range * std::cos(elevation) * cy,
+                                   range * std::sin(elevation), 0.0}) {
+          values.push_back(static_cast<float>(size * value));
+        }
+      }
+    }
+    return bytes_of(values);
+  }
   /// A folder of `count` scans of the room and a file of poses for them, a few centimetres apart.
   void make_drive(const std::string& folder, int count, bool has_wall) const {
     std::filesystem::create_directory(path(folder));
@@ -120,6 +144,16 @@ class ProgramTest : public FileTest {
     for (int i = 0; i < count; ++i) {
       make(folder + "/" + std::to_string(10000 + i) + ".bin", scan);
       poses += "1 0 0 " + std::to_string(0.01 * i) + " 0 1 0 0 0 0 1 0\n";
+    }
+    make(folder + ".txt", poses);
+  }
+  /// The same of a drive through the hall, whose scans tell where they were taken.
+  void make_hall_drive(const std::string& folder, int count) const {
+    std::filesystem::create_directory(path(folder));
+    std::string poses;
+    for (int i = 0; i < count; ++i) {
+      make(folder + "/" + std::to_string(10000 + i) + ".bin", hall(0.1 * i, 0.02 * i));
+      poses += "1 0 0 " + std::to_string(0.1 * i) + " 0 1 0 " + std::to_string(0.02 * i) + " 0 0 1 0\n";
     }
     make(folder + ".txt", poses);
   }

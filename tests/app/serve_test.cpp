@@ -11,7 +11,7 @@ namespace {
 class ServeTest : public ProgramTest {
  protected:
   ServeTest() {
-    make_drive("drive", 30, true);
+    make_hall_drive("drive", 30);
     expect_done(build("drive", "map.evm"));
   }
 

@@ -162,6 +162,47 @@ TEST(Registration, AnyNumberOfThreadsGivesTheSameBytes) {
   }
 }
 
+// A leaf that holds both faces of such a wall is wider across the wall than along it, as if a wall stood
+// across.
+TEST(Registration, AWallAsThickAsItsLeavesTellsNothingAlongItself) {
+  for (const double thickness : {0.2, 0.25, 0.3, 0.35}) {
+    Scene scene;
+    Pose T_map_wall;
+    T_map_wall.translation.y() = 1.4;  // the middle of a row of voxels
+    add_box(scene, 1, T_map_wall, {20, thickness, 4});
+    const Octree map = test::survey_map(scene, 0.4, 0.05);
+    std::vector<Gaussian> bundles;
+    for (double x = -8; x < 8; x += 0.03) {
+      const double z = 1.5 * std::sin(7 * x);
+      bundles.push_back({{x, 1.4 - thickness / 2, z}, 2e-4 * Eigen::Matrix3d::Identity(), 1});
+    }
+    const NormalEquations equations = equations_at(map, bundles, Pose{}, RobustKernel{6});
+    EXPECT_GT(equations.matched, 400U);
+    constexpr double kVague = 0.3;  // [m] of one bundle
+    EXPECT_LT(equations.hessian(0, 0) * kVague * kVague, static_cast<double>(equations.matched)) << thickness;
+  }
+}
+
+// From a place where the ends of a corridor fit by chance, registration goes on to where they fit best.
+TEST(Registration, GoesOnAlongACorridorUntilItsEndsFitBest) {
+  Scene scene;
+  add_box(scene, 1, Pose{}, {30, 3, 2.6});  // seen from within
+  for (const double x : {-14.6, 14.7}) {    // a second end before each
+    Pose T_map_end;
+    T_map_end.translation.x() = x;
+    add_box(scene, 2, T_map_end, {0.02, 1.2, 2.6});
+  }
+  const Octree map = test::survey_map(scene, 0.2, 0.05);
+  const Scan scan = Simulator(scene).scan(Pose{}, test::small_lidar(), 1);
+  for (const double off : {-0.5, -0.4, -0.3, 0.3, 0.4, 0.5}) {
+    Pose guess;
+    guess.translation.x() = off;
+    const Registration found = register_fine(map, scan, guess);
+    EXPECT_TRUE(found.converged());
+    EXPECT_LT(found.T_map_sensor.translation.norm(), 0.01) << off;
+  }
+}
+
 class Degenerate : public ::testing::TestWithParam<double> {};
 
 TEST_P(Degenerate, AnEndlessCorridorHoldsNothingAlongIt) {

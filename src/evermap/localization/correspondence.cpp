@@ -78,7 +78,8 @@ double thickness(const Leaf& leaf, const Eigen::Vector3d& normal) {
 
 /// Whether a thick leaf is a piece of a wall whose faces both lie in it: leaves beside it, along each axis
 /// that has any, are as thick, and in line with it. Where a wall meets the ground, or among leaves of trees,
-/// they are not.
+/// they are not. A wall that is thicker than its leaves are long looks as if it stood across itself; but then
+/// it goes on along the normal.
 bool is_wall(LeafFinder<const Octree>& finder, const VoxelGrid& grid, const Correspondence& match,
              double thick) {
   constexpr double kInLine = 0.3;  // times the thickness
@@ -89,20 +90,20 @@ bool is_wall(LeafFinder<const Octree>& finder, const VoxelGrid& grid, const Corr
   match.normal.cwiseAbs().maxCoeff(&across_wall);
   int alike = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    if (axis == across_wall) continue;
     int beside_axis = 0;
+    int as_thick = 0;
     int alike_axis = 0;
     for (const int step : {-1, 1}) {
       const Eigen::Vector3i there = *voxel + step * Eigen::Vector3i::Unit(axis);
       const Leaf* leaf = find(finder, there);
       if (leaf == nullptr || !leaf->occupied()) continue;
       ++beside_axis;
+      if (std::abs(thickness(*leaf, match.normal) - thick) > kInLine * thick) continue;
+      ++as_thick;
       const double off = match.normal.dot(leaf->gaussian(grid.center(there)).mean - match.mean_leaf);
-      const bool is_alike = std::abs(off) <= kInLine * thick &&
-                            std::abs(thickness(*leaf, match.normal) - thick) <= kInLine * thick;
-      if (is_alike) ++alike_axis;
+      if (std::abs(off) <= kInLine * thick) ++alike_axis;
     }
-    if (beside_axis > 0 && alike_axis == 0) return false;
+    if (axis == across_wall ? as_thick > 0 : beside_axis > 0 && alike_axis == 0) return false;
     alike += alike_axis;
   }
   return alike >= kLeast;

@@ -15,6 +15,8 @@ NormalEquations& NormalEquations::operator+=(const NormalEquations& other) {
   matched += other.matched;
   inliers += other.inliers;
   inlier_error += other.inlier_error;
+  asked += other.asked;
+  agreed += other.agreed;
   return *this;
 }
 
@@ -33,11 +35,14 @@ void Factor::add_to(NormalEquations& equations, const Eigen::Vector3d& mean_map,
   const Twist row = jacobian(match.normal, from_sensor);
   const Twist weighted = trust * kernel.weight(mahalanobis_squared) * stiffness * row;
   equations.hessian += weighted * row.transpose();
-  equations.gradient += match.normal.dot(residual) * weighted;
+  const double off = match.normal.dot(residual);
+  equations.gradient += off * weighted;
+  equations.asked += trust;
   ++equations.matched;
   if (mahalanobis_squared >= kChiSquared95) return;
   ++equations.inliers;
   equations.inlier_error += mahalanobis_squared;
+  equations.agreed += trust * kernel.weight(off * off * match.normal.dot(match.information * match.normal));
 }
 
 std::optional<Factor> make_factor(const Correspondence& match, double count) {

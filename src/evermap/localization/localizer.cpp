@@ -349,15 +349,15 @@ std::vector<Hypothesis> Localizer::guess_around(const Octree& map, const Scan& r
     guess.T_map_sensor.rotation =
         Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * guess.T_map_sensor.rotation;
     Hypothesis place{{}, found.scan, ScanMotion::steady(found.velocity)};
-    Twist velocity = found.motion_is_known ? velocity_to(guess.T_map_sensor, found.time) : found.velocity;
-    velocity.x() += speed;
-    place.motion = ScanMotion::steady(velocity);
     if (found.is_deskewed) {
-      place.scan = undistorted(raw, velocity);
+      Twist velocity = found.motion_is_known ? velocity_to(guess.T_map_sensor, found.time) : found.velocity;
+      velocity.x() += speed;
+      place = {{}, undistorted(raw, velocity), ScanMotion::steady(velocity)};
       registration.set_scan(place.scan);
     }
     place.registration = registration.from(guess, registration.views());
-    places.push_back(std::move(place));
+    // What nothing tells would be as it was displaced here, and not as it was predicted.
+    if (place.registration.unobservable == 0) places.push_back(std::move(place));
   };
   for (const double turns : {-1, 1, -2, 2}) try_from(0, kTurn * turns, 0);
   if (last_ && !found.motion_is_known) {

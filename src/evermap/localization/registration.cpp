@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include <Eigen/Eigenvalues>
@@ -21,29 +22,36 @@ namespace {
 constexpr double kLeastBundleEdge = 0.4;  ///< [m]
 constexpr std::size_t kChunk = 256;       ///< bundles per task; fixed, so that sums do not depend on threads
 
-using Factors = std::vector<std::optional<Factor>>;  ///< one a bundle, none where it is off the map
+/// A bundle on the map, if it is; what it says, unless it is a line.
+struct Match {
+  bool is_on_map = false;
+  std::optional<Factor> factor = {};
+};
+using Matches = std::vector<Match>;  ///< one a bundle
 
-Factors match(const Octree& map, const std::vector<Gaussian>& bundles_sensor, const Pose& T_map_sensor) {
-  Factors factors(bundles_sensor.size());
-  for_each_chunk(factors.size(), kChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-    const auto matches = correspond(map, std::span(bundles_sensor).subspan(begin, end - begin), T_map_sensor);
+Matches match(const Octree& map, const std::vector<Gaussian>& bundles_sensor, const Pose& T_map_sensor) {
+  Matches matches(bundles_sensor.size());
+  for_each_chunk(matches.size(), kChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+    const auto found = correspond(map, std::span(bundles_sensor).subspan(begin, end - begin), T_map_sensor);
     for (std::size_t i = begin; i < end; ++i) {
-      const auto& match = matches[i - begin];
-      if (match) factors[i] = make_factor(*match, bundles_sensor[i].count);
+      const auto& leaf = found[i - begin];
+      if (leaf) matches[i] = {true, make_factor(*leaf, bundles_sensor[i].count)};
     }
   });
-  return factors;
+  return matches;
 }
 
 /// The equations of all factors, joined in order.
-NormalEquations linearize(const Factors& factors, const std::vector<Gaussian>& bundles_sensor,
+NormalEquations linearize(const Matches& matches, const std::vector<Gaussian>& bundles_sensor,
                           const Pose& T_map_sensor, const RobustKernel& kernel) {
-  std::vector<NormalEquations> sums(chunks(factors.size(), kChunk));
-  for_each_chunk(factors.size(), kChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+  std::vector<NormalEquations> sums(chunks(matches.size(), kChunk));
+  for_each_chunk(matches.size(), kChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (!factors[i]) continue;
-      const Eigen::Vector3d from_sensor = T_map_sensor.rotation * bundles_sensor[i].mean;
-      factors[i]->add_to(sums[chunk], T_map_sensor.translation + from_sensor, from_sensor, kernel);
+      const Gaussian& bundle = bundles_sensor[i];
+      if (!matches[i].is_on_map) sums[chunk].asked += std::sqrt(bundle.count);
+      if (!matches[i].factor) continue;
+      const Eigen::Vector3d from_sensor = T_map_sensor.rotation * bundle.mean;
+      matches[i].factor->add_to(sums[chunk], T_map_sensor.translation + from_sensor, from_sensor, kernel);
     }
   });
   NormalEquations total;
@@ -79,15 +87,15 @@ Twist move(Registration& at, const NormalEquations& equations, const Directions&
 bool search(Registration& at, const Octree& map, const std::vector<Gaussian>& bundles_sensor,
             const Directions& directions, const RegistrationParameters& parameters) {
   RobustKernel kernel{parameters.first_kernel_width};
-  Factors factors;
+  Matches matches;
   Pose T_map_matched;
   bool settled = false;
   while (!settled && at.iterations < parameters.termination.max_iterations) {
-    if (factors.empty() || is_far(difference(T_map_matched, at.T_map_sensor))) {
+    if (matches.empty() || is_far(difference(T_map_matched, at.T_map_sensor))) {
       T_map_matched = at.T_map_sensor;
-      factors = match(map, bundles_sensor, T_map_matched);
+      matches = match(map, bundles_sensor, T_map_matched);
     }
-    const NormalEquations equations = linearize(factors, bundles_sensor, at.T_map_sensor, kernel);
+    const NormalEquations equations = linearize(matches, bundles_sensor, at.T_map_sensor, kernel);
     const Twist step = move(at, equations, directions, parameters.damping);
     settled = kernel.width == parameters.last_kernel_width && parameters.termination.is_settled(step);
     kernel.width = std::max(kernel.width / 2, parameters.last_kernel_width);
@@ -100,10 +108,10 @@ NormalEquations refine(Registration& at, const Octree& map, const std::vector<Ga
                        const Directions& directions, const RegistrationParameters& parameters) {
   constexpr int kSteps = 2;  // weighed anew in each; a third gains 3 %
   const RobustKernel kernel{parameters.last_kernel_width};
-  const Factors factors = match(map, bundles_sensor, at.T_map_sensor);
+  const Matches matches = match(map, bundles_sensor, at.T_map_sensor);
   NormalEquations equations;
   for (int i = 0; i < kSteps; ++i) {
-    equations = linearize(factors, bundles_sensor, at.T_map_sensor, kernel);
+    equations = linearize(matches, bundles_sensor, at.T_map_sensor, kernel);
     move(at, equations, directions, parameters.damping);
   }
   return equations;
@@ -160,6 +168,39 @@ Matrix6 information(const NormalEquations& equations, const Octree& map,
   return inverse.asDiagonal() * per_unit * inverse.asDiagonal() / equations.mean_inlier_error();
 }
 
+/// Where few of a scan's bundles hold it (the ends of a corridor), it comes to rest at many places along that
+/// direction: at a wall's other face, a shelf further on. The rest of the scan fits all of them alike, but
+/// these few fit best where they belong. Looks along such directions, as far as the guess leaves them open.
+/// Returns the place to search from, if another is better than where the scan is.
+std::optional<Pose> place_along(const Registration& at, const NormalEquations& equations, const Octree& map,
+                                const std::vector<Gaussian>& bundles_sensor, const Matrix6& covariance,
+                                const RegistrationParameters& parameters) {
+  constexpr double kStep = 0.1;   // [m] from farther, a thin surface is not noticed
+  constexpr double kLeast = 0.2;  // [m] to either side: a guess may be wrong, too
+  constexpr double kMost = 0.6;   // [m]
+  constexpr double kSigmas = 3;
+  constexpr double kFew = 0.2;  // of what holds it along the mean direction
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(equations.hessian.topLeftCorner<3, 3>());
+  const RobustKernel kernel{parameters.last_kernel_width};
+  std::optional<Pose> best;
+  double best_fit = 0;
+  for (int i = 0; i < 3 && eigen.eigenvalues()[i] < kFew * eigen.eigenvalues().mean(); ++i) {
+    if (i == 0) best_fit = equations_at(map, bundles_sensor, at.T_map_sensor, kernel).fit();
+    const Eigen::Vector3d direction = eigen.eigenvectors().col(i);
+    const double sigma = std::sqrt(direction.dot(covariance.topLeftCorner<3, 3>() * direction));
+    const int steps = static_cast<int>(std::clamp(kSigmas * sigma, kLeast, kMost) / kStep);
+    for (int step = -steps; step <= steps; ++step) {
+      Pose there = at.T_map_sensor;
+      there.translation += step * kStep * direction;
+      const double fit = equations_at(map, bundles_sensor, there, kernel).fit();
+      if (fit <= best_fit) continue;
+      best_fit = fit;
+      best = there;
+    }
+  }
+  return best;
+}
+
 RejectReason judge(const Registration& registration, std::size_t matched, bool settled,
                    const RegistrationParameters& parameters) {
   if (matched < parameters.least_matches) return RejectReason::kTooFewMatches;
@@ -192,22 +233,29 @@ Registration register_bundles(const Octree& map, const std::vector<Gaussian>& bu
   if (bundles_sensor.size() < parameters.least_matches) return result;
   const std::vector<Gaussian> first = thinned(bundles_sensor, parameters.first_bundles);
   Directions directions = Matrix6::Identity();
-  bool settled = search(result, map, first, directions, parameters);
-  NormalEquations equations = refine(result, map, bundles_sensor, directions, parameters);
+  bool settled = false;
+  NormalEquations equations;
+  const auto come_to_rest_from = [&](const Pose& T_map_sensor) {
+    result.T_map_sensor = T_map_sensor;
+    result.iterations = 0;
+    settled = search(result, map, first, directions, parameters);
+    equations = refine(result, map, bundles_sensor, directions, parameters);
+  };
+  come_to_rest_from(guess.T_map_sensor);
+  if (const auto better = place_along(result, equations, map, first, guess.covariance, parameters))
+    come_to_rest_from(*better);
   const Knowledge known =
       learn(information(equations, map, first, result.T_map_sensor, parameters), guess.covariance);
   if (known.directions.cols() < 6) {  // again, in these alone
     directions = known.directions;
-    result.T_map_sensor = guess.T_map_sensor;
-    result.iterations = 0;
-    settled = search(result, map, first, directions, parameters);
-    equations = refine(result, map, bundles_sensor, directions, parameters);
+    come_to_rest_from(guess.T_map_sensor);
   }
   result.covariance = known.covariance;
   result.unobservable = 6 - static_cast<int>(known.directions.cols());
   const auto matched = static_cast<double>(equations.matched);
   result.matched_fraction = matched / static_cast<double>(bundles_sensor.size());
   result.inlier_fraction = static_cast<double>(equations.inliers) / std::max(1.0, matched);
+  result.fit = equations.fit();
   result.residual = equations.mean_inlier_error();
   result.reject_reason = judge(result, equations.matched, settled, parameters);
   return result;

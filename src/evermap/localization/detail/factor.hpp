@@ -22,9 +22,12 @@ struct NormalEquations {
   std::size_t matched = 0;            ///< bundles with a leaf
   std::size_t inliers = 0;            ///< of these, within the 95 % ellipsoid
   double inlier_error = 0;            ///< sum of their squared Mahalanobis distances
+  double asked = 0;                   ///< sum of the trust in all bundles but lines, on the map or not
+  double agreed = 0;  ///< of this, what the inliers' kernel leaves, by how far they are off along the normal
 
   NormalEquations& operator+=(const NormalEquations& other);
   double mean_inlier_error() const;
+  double fit() const { return asked > 0 ? agreed / asked : 0; }
 };
 
 /// J' n = d(n'e)/dtwist, of e = mu_V - mu_R along `normal` n, with J = [-I, [r]x] and r = mu_R - t, which is

@@ -21,7 +21,7 @@ struct Hypothesis {
   /// leaves. Chance alone gives 0 or less.
   double score() const {
     const double beside = registration.matched_fraction - registration.explained_fraction();
-    return registration.explained_fraction() - beside - contradicting_fraction;
+    return registration.fit - beside - contradicting_fraction;
   }
 };
 

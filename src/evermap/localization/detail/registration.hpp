@@ -52,7 +52,8 @@ struct Registration {
   int unobservable = 0;                  ///< directions that are as they were guessed
   double matched_fraction = 0;           ///< of the bundles: where the map has a leaf
   double inlier_fraction = 0;            ///< of these: within the 95 % ellipsoid
-  double residual = 0;                   ///< mean squared Mahalanobis distance of the inliers
+  double fit = 0;       ///< how well the bundles lie on the map: 1, each in the plane of its leaf
+  double residual = 0;  ///< mean squared Mahalanobis distance of the inliers
   int iterations = 0;
 
   bool converged() const { return reject_reason == RejectReason::kNone; }
