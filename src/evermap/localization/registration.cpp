@@ -179,7 +179,7 @@ std::optional<Pose> place_along(const Registration& at, const NormalEquations& e
   constexpr double kLeast = 0.2;  // [m] to either side: a guess may be wrong, too
   constexpr double kMost = 0.6;   // [m]
   constexpr double kSigmas = 3;
-  constexpr double kFew = 0.2;  // of what holds it along the mean direction
+  constexpr double kFew = 0.1;  // of what holds it along the mean direction
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(equations.hessian.topLeftCorner<3, 3>());
   const RobustKernel kernel{parameters.last_kernel_width};
   std::optional<Pose> best;
