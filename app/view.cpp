@@ -60,8 +60,9 @@ void add_view(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("view", "Show a map, its versions and changes in a browser");
   const auto options = std::make_shared<ViewOptions>();
   verb->add_option("MAP.evm", options->map, "Map to show")->required();
-  verb->add_option("WHAT", options->shown,
-                   "A version, 3; what changed between two, 3..5 or 3..now; or a report's folder")
+  verb->add_option(
+          "WHAT", options->shown,
+          "A version, by number or tag; what changed between two, 3..5 or 3..now; or a report's folder")
       ->capture_default_str();
   add_page_options(*verb, options->page);
   verb->callback([options] { view(*options); });

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "experiments/experiment.hpp"
+#include "experiments/pcl_localizer.hpp"
 #include "experiments/pose_judge.hpp"
 #include <evermap/geometry/detail/degree.hpp>
 #include <evermap/localization/detail/perturbation.hpp>
@@ -114,6 +115,20 @@ struct Drive {
   std::vector<Pose> poses;                           ///< in the map's frame, which is shifted
 };
 
+/// The points that the map is made of, in its frame [m].
+std::vector<Eigen::Vector3d> cloud_of(const Trial& trial, const Drive& drive) {
+  std::vector<Eigen::Vector3d> cloud;
+  if (trial.is_surveyed) {
+    cloud = drive.driven.survey(std::min(0.1, trial.leaf / 4));
+    for (Eigen::Vector3d& p : cloud) p += trial.shift;
+    return cloud;
+  }
+  for (std::size_t i = 0; i < drive.scans.size(); ++i) {
+    for (const Eigen::Vector3d& p : drive.at_end[i]) cloud.push_back(drive.poses[i] * p);
+  }
+  return cloud;
+}
+
 Octree map_of(const Trial& trial, const Drive& drive, const Parameters& parameters) {
   Octree map(VoxelGrid{.edge = trial.leaf});
   if (trial.is_surveyed) {
@@ -139,14 +154,52 @@ Pose start_of(const Trial& trial, const Pose& T_map_sensor) {
   return perturb(T_map_sensor, off);
 }
 
-Json run_trial(std::uint64_t seed) {
+/// The poses that are believed of a trial's scans, none where none is.
+using Believed = std::vector<std::optional<Pose>>;
+
+/// What the judge says of them.
+struct Verdict {
+  int observable = 0;  ///< [scans]
+  int tracked = 0;     ///< of these, believed
+  std::vector<bool> wrong;
+  std::vector<double> errors;  ///< [m] of what is believed
+
+  Json to_json() const {
+    return {{"observable", observable},
+            {"tracked", tracked},
+            {"wrong", std::count(wrong.begin(), wrong.end(), true)},
+            {"errors", errors}};
+  }
+};
+
+Verdict judged(const Trial& trial, const Drive& drive, const Believed& believed) {
   constexpr double kWrong = 0.05;  // [m]
   constexpr double kWrongTurn = 0.5 * kDegree;
-  const Trial trial = trial_of(seed);
-  const Drive drive(trial);
   const RayCaster world(drive.driven.scene(0));
+  Verdict verdict;
+  verdict.wrong.resize(believed.size(), false);
+  for (std::size_t i = 0; i < believed.size(); ++i) {
+    const PoseJudge judge(world, drive.at_end[i], drive.worlds_pose[i]);
+    verdict.observable += judge.is_observable() ? 1 : 0;
+    if (!believed[i]) continue;
+    verdict.tracked += judge.is_observable() ? 1 : 0;
+    Pose in_world = *believed[i];
+    in_world.translation -= trial.shift;
+    const PoseJudge::Error error = judge.error(in_world);
+    verdict.wrong[i] = error.translation > kWrong || error.rotation > kWrongTurn;
+    verdict.errors.push_back(error.translation);
+  }
+  return verdict;
+}
+
+Parameters parameters_of(const Drive& drive) {
   Parameters parameters;
   parameters.lidar.range_sigma = drive.driven.scenario().lidar.range_sigma;
+  return parameters;
+}
+
+std::vector<ScanResult> localize(const Trial& trial, const Drive& drive) {
+  const Parameters parameters = parameters_of(drive);
   MapMaintainer maintainer(map_of(trial, drive, parameters), parameters,
                            trial.maintains ? MapMode::kMaintenance : MapMode::kLocalization,
                            start_of(trial, drive.poses.front()));
@@ -155,56 +208,74 @@ Json run_trial(std::uint64_t seed) {
   for (std::size_t i = 0; i < drive.scans.size(); ++i) {
     append(results, maintainer.process(drive.scans[i], drive.driven.time(i), odometry.next(drive.poses[i])));
   }
-  int observable = 0;
-  int tracked = 0;
-  int wrong = 0;
+  return results;
+}
+
+Believed believed(const std::vector<ScanResult>& results) {
+  Believed poses;
+  for (const ScanResult& found : results)
+    poses.push_back(found.is_believed() ? std::optional(found.T_map_sensor) : std::nullopt);
+  return poses;
+}
+
+Believed localize_by_pcl(std::string_view method, const Trial& trial, const Drive& drive) {
+  PclLocalizer localizer(method, cloud_of(trial, drive), start_of(trial, drive.poses.front()),
+                         parameters_of(drive).lidar.scan_period);
+  Odometry odometry(trial.odometry);
+  Believed poses;
+  for (std::size_t i = 0; i < drive.scans.size(); ++i)
+    poses.push_back(localizer.locate(drive.scans[i], odometry.next(drive.poses[i])));
+  return poses;
+}
+
+Json run_trial(std::uint64_t seed) {
+  const Trial trial = trial_of(seed);
+  const Drive drive(trial);
+  const std::vector<ScanResult> results = localize(trial, drive);
+  const Verdict verdict = judged(trial, drive, believed(results));
   int wrong_written = 0;
-  std::vector<double> errors;
-  for (std::size_t i = 0; i < drive.scans.size(); ++i) {
-    const ScanResult& found = results[i];
-    const PoseJudge judge(world, drive.at_end[i], drive.worlds_pose[i]);
-    observable += judge.is_observable() ? 1 : 0;
-    if (!found.is_believed()) continue;
-    tracked += judge.is_observable() ? 1 : 0;
-    Pose in_world = found.T_map_sensor;
-    in_world.translation -= trial.shift;
-    const PoseJudge::Error error = judge.error(in_world);
-    const bool is_wrong = error.translation > kWrong || error.rotation > kWrongTurn;
-    wrong += is_wrong ? 1 : 0;
-    wrong_written += is_wrong && found.is_written ? 1 : 0;
-    errors.push_back(error.translation);
-  }
-  return {{"seed", seed},
-          {"kind", trial.kind},
-          {"beams", trial.drive.channels},
-          {"leaf", trial.leaf},
-          {"mount", trial.mount},
-          {"map", trial.is_surveyed ? "survey" : "drive"},
-          {"maintains", trial.maintains},
-          {"odometry", trial.odometry},
-          {"start", trial.start_off},
-          {"at speed", trial.drive.starts_at_speed},
-          {"changed", trial.drive.changed},
-          {"scans", drive.scans.size()},
-          {"observable", observable},
-          {"tracked", tracked},
-          {"wrong", wrong},
-          {"wrong written", wrong_written},
-          {"errors", errors}};
+  for (std::size_t i = 0; i < results.size(); ++i)
+    wrong_written += verdict.wrong[i] && results[i].is_written ? 1 : 0;
+  Json facts{{"seed", seed},
+             {"kind", trial.kind},
+             {"beams", trial.drive.channels},
+             {"leaf", trial.leaf},
+             {"mount", trial.mount},
+             {"map", trial.is_surveyed ? "survey" : "drive"},
+             {"maintains", trial.maintains},
+             {"odometry", trial.odometry},
+             {"start", trial.start_off},
+             {"at speed", trial.drive.starts_at_speed},
+             {"changed", trial.drive.changed},
+             {"scans", drive.scans.size()},
+             {"wrong written", wrong_written}};
+  facts.update(verdict.to_json());
+  return facts;
+}
+
+/// The same trial by evermap and by PCL.
+Json run_comparison(std::uint64_t seed) {
+  const Trial trial = trial_of(seed);
+  const Drive drive(trial);
+  Json mappers{{"evermap", judged(trial, drive, believed(localize(trial, drive))).to_json()}};
+  for (const std::string_view method : PclLocalizer::kMethods)
+    mappers[std::string(method)] = judged(trial, drive, localize_by_pcl(method, trial, drive)).to_json();
+  return {{"seed", seed}, {"kind", trial.kind}, {"scans", drive.scans.size()}, {"mappers", mappers}};
 }
 
 /// As many trials as there are kinds of worlds, one of each.
-Unit round_of(std::uint64_t first_seed) {
-  const auto compute = [first_seed](const Progress& progress) {
+Unit round_of(std::string_view name, std::string_view title, Json (*run)(std::uint64_t seed),
+              std::uint64_t first_seed) {
+  const auto compute = [run, first_seed](const Progress& progress) {
     Json trials = Json::array();
     for (std::size_t i = 0; i < kWorldKinds.size(); ++i) {
-      trials.push_back(run_trial(first_seed + i));
+      trials.push_back(run(first_seed + i));
       progress(i + 1, kWorldKinds.size());
     }
     return Json{{"trials", trials}};
   };
-  return {fmt::format("arena_{}", first_seed),
-          fmt::format("trials from seed {}", first_seed),
+  return {fmt::format("{}_{}", name, first_seed),
+          fmt::format("{} from seed {}", title, first_seed),
           {{"seed", first_seed}},
           compute};
 }
@@ -214,8 +285,20 @@ Unit round_of(std::uint64_t first_seed) {
 Experiment experiment_arena(const Setup& setup) {
   const std::uint64_t rounds = setup.is_quick ? 2 : 91;  // 22 and 1001 trials
   Experiment experiment{"arena"};
-  for (std::uint64_t i = 0; i < rounds; ++i)
-    experiment.units.push_back(round_of(setup.seed + i * kWorldKinds.size()));
+  for (std::uint64_t i = 0; i < rounds; ++i) {
+    const std::uint64_t seed = setup.seed + i * kWorldKinds.size();
+    experiment.units.push_back(round_of("arena", "trials", run_trial, seed));
+  }
+  if (setup.is_quick) return experiment;
+  if (!PclLocalizer::is_available()) {
+    experiment.left_out.emplace_back("PCL's NDT and GICP: evermap was built without PCL (libpcl-dev)");
+    return experiment;
+  }
+  constexpr std::uint64_t kRoundsOfAll = 4;  // PCL takes a second a scan
+  for (std::uint64_t i = 0; i < kRoundsOfAll; ++i) {
+    const std::uint64_t seed = setup.seed + i * kWorldKinds.size();
+    experiment.units.push_back(round_of("arena_by_all", "trials by PCL, too,", run_comparison, seed));
+  }
   return experiment;
 }
 

@@ -262,7 +262,10 @@ def percentile(values, fraction):
 
 
 def section_arena(units, folder):
-    trials = [trial for unit in units.values() for trial in unit["result"]["trials"]]
+    trials, by_all = [], []
+    for unit in units.values():
+        for trial in unit["result"]["trials"]:
+            (by_all if "mappers" in trial else trials).append(trial)
     kinds = sorted({trial["kind"] for trial in trials})
 
     def row(name, some):
@@ -270,6 +273,11 @@ def section_arena(units, folder):
         return [name, len(some), 100 * ratio(sum(t["tracked"] for t in some), sum(t["observable"] for t in some)),
                 sum(t["wrong"] for t in some), sum(t["wrong written"] for t in some), percentile(errors, 0.5),
                 percentile(errors, 0.95), max(errors, default=NOTHING)]
+
+    def rival_row(name, some, scans):
+        errors = [1000 * error for trial in some for error in trial["errors"]]
+        return [name, 100 * ratio(sum(t["tracked"] for t in some), sum(t["observable"] for t in some)),
+                sum(t["wrong"] for t in some), scans, percentile(errors, 0.5), percentile(errors, 0.95)]
 
     def sorted_errors(kind):
         errors = sorted(error for trial in trials if trial["kind"] == kind for error in trial["errors"])
@@ -287,6 +295,14 @@ def section_arena(units, folder):
                                         Column("of these written"), Column("median [mm]", 1), Column("95 % [mm]", 1),
                                         Column("largest [mm]", 0)],
               [row(kind, [t for t in trials if t["kind"] == kind]) for kind in kinds] + [row("all", trials)])])
+    if by_all:
+        section.blocks.append(Table(
+            f"{len(by_all)} of these trials by others, too: each scan aligned to the cloud of the map, from where odometry or the "
+            "velocity before leads; what converges is believed",
+            [Column("method"), Column("tracked [%]", 1), Column("confidently wrong"), Column("of scans"), Column("median [mm]", 1),
+             Column("95 % [mm]", 1)],
+            [rival_row(name, [trial["mappers"][name] for trial in by_all], sum(trial["scans"] for trial in by_all))
+             for name in by_all[0]["mappers"]]))
     section.aim_at_most("arena", "confidently wrong scans", 0, sum(t["wrong"] for t in trials))
     section.aim_at_least("arena", "fraction tracked", 0.99,
                          ratio(sum(t["tracked"] for t in trials), sum(t["observable"] for t in trials)))

@@ -44,6 +44,12 @@ TEST_F(ViewTest, ServesTheMapUntilItIsStopped) {
   EXPECT_EQ(view->wait(), 128 + SIGINT);
 }
 
+TEST_F(ViewTest, TakesVersionsByTheirTags) {
+  expect_done({"tag", name("map.evm"), "before", "1"});
+  const std::unique_ptr<Process> view = start({"view", name("map.evm"), "before..now", "--port", "0"});
+  EXPECT_NE(ask(port("stdout"), "GET /api/page").find("\"shown\":\"1..now\""), std::string::npos);
+}
+
 TEST_F(ViewTest, ServesAReport) {
   const std::unique_ptr<Process> view = start({"view", name("map.evm"), name("report"), "--port", "0"});
   EXPECT_NE(ask(port("stdout"), "GET /").find("id=\"map-data\""), std::string::npos);
@@ -51,8 +57,8 @@ TEST_F(ViewTest, ServesAReport) {
 
 TEST_F(ViewTest, SaysWhatItCannotShow) {
   expect_failed({"view", name("none.evm"), "--port", "0"}, "none.evm");
-  expect_failed({"view", name("map.evm"), "7", "--port", "0"}, "holds no version 7");
-  expect_failed({"view", name("map.evm"), "nonsense", "--port", "0"}, "\"nonsense\" is no number");
+  expect_failed({"view", name("map.evm"), "7", "--port", "0"}, "holds no version \"7\"");
+  expect_failed({"view", name("map.evm"), "nonsense", "--port", "0"}, "holds no version \"nonsense\"");
   expect_failed({"view", name("map.evm"), name("now"), "--port", "0"}, "viewer.html");
   expect_failed({"view", name("map.evm"), "--listen", "nowhere", "--port", "0"}, "is no address");
   expect_failed({"view", name("map.evm"), "--token-file", name("none"), "--port", "0"},

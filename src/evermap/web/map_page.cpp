@@ -67,6 +67,18 @@ int number_of(const std::string& word) {
   return number;
 }
 
+/// A version, or two, by number where they were named by tag.
+std::string with_numbers(const std::filesystem::path& map, const std::string& shown) {
+  if (!MapHistory::exists_for(map)) return shown;
+  const MapHistory history(map);
+  const auto numbered = [&](const std::string& version) {
+    return version == kNow ? version : std::to_string(history.number_of(version));
+  };
+  const std::size_t dots = shown.find("..");
+  if (dots == std::string::npos) return numbered(shown);
+  return numbered(shown.substr(0, dots)) + ".." + numbered(shown.substr(dots + 2));
+}
+
 std::uint16_t saturated(int version) {
   return static_cast<std::uint16_t>(std::clamp(version, 0, kThisRun - 1));
 }
@@ -117,8 +129,8 @@ struct MapPage::View {
   MapTiles tiles;
 };
 
-MapPage::MapPage(std::filesystem::path map, std::string shown)
-    : map_(std::move(map)), shown_(std::move(shown)) {
+MapPage::MapPage(std::filesystem::path map, const std::string& shown)
+    : map_(std::move(map)), shown_(with_numbers(map_, shown)) {
   try {
     view(shown_);
   } catch (const NotFound& error) {

@@ -34,7 +34,7 @@ class MapTiles;
 class MapPage {
  public:
   /// Of a file, at which `shown` is looked first: `now`, or `3..5`. Throws FileError.
-  explicit MapPage(std::filesystem::path map, std::string shown = "now");
+  explicit MapPage(std::filesystem::path map, const std::string& shown = "now");
   /// Of a map that is being changed, as it is at first.
   MapPage(std::filesystem::path map, const Octree& begun);
   ~MapPage();
