@@ -24,13 +24,20 @@ struct BuildOptions {
   MapFrame frame;
   double leaf = 0;      ///< [m]
   double patience = 0;  ///< [s]
+  JournalParameters journal{.scans = 0};
+  bool resume = false;
   ParameterOptions parameters;
   bool as_json = false;
 };
 
+MapCause cause_of_build(const BuildOptions& options, const Parameters& parameters) {
+  return cause_of("build of", options.run.scans, parameters);
+}
+
 template <class RunReport>
-void finish(const BuildOptions& options, MapStore& store, const Octree& octree, const RunReport& run) {
-  store.create(octree, {"build of " + options.run.scans.string(), ""});
+void finish(const BuildOptions& options, MapStore& store, const Octree& octree, const MapCause& cause,
+            const RunReport& run) {
+  store.create(octree, cause);
   if (options.as_json) {
     Json json = {{"map", options.map.string()}, {"leaves", octree.leaf_count()}};
     json.update(to_json(run));
@@ -43,12 +50,26 @@ void finish(const BuildOptions& options, MapStore& store, const Octree& octree, 
 void build_from_poses(const BuildOptions& options, MapStore& store, const Parameters& parameters) {
   ScanOptions reading = options.run.reading;
   reading.is_imu_wanted = false;
+  MapCause cause = cause_of_build(options, parameters);
+  if (options.resume) reading.selection.skip = scans_before(options.map, cause);
   PosedScans scans(options.run.scans, options.run.poses, parameters.lidar.scan_period, reading);
   const VoxelGrid grid = VoxelGrid::around(scans.first_pose().translation, options.leaf);
-  MapMaintainer maintainer(Octree(grid, options.frame), parameters, MapMode::kMapping);
+  MapMaintainer maintainer(options.resume ? store.load() : Octree(grid, options.frame), parameters,
+                           MapMode::kMapping);
   PoseCheck check(Octree(grid), parameters.lidar, scans.poses());
-  const Run run = run_over(scans, options.run.threads, maintainer, check_poses(check, options.run));
-  finish(options, store, maintainer.map(), run);
+  store.begin(maintainer.map(), cause, options.journal);
+  const LookAtScan look_at_poses = check_poses(check, options.run);
+  std::size_t taken = reading.selection.skip;
+  const Run run =
+      run_over(scans, options.run.threads, maintainer, [&](const PosedScan& posed, const ScanResult& result) {
+        look_at_poses(posed, result);
+        taken = posed.index + 1;
+        acknowledge(
+            store, [&] { return maintainer.map(); }, taken);
+      });
+  cause.what += fmt::format(", {} scans", run.scans_done);
+  if (run.stopped_by != 0) cause.scans = taken;
+  finish(options, store, maintainer.map(), cause, run);
   end_as(run);
 }
 
@@ -71,7 +92,7 @@ void build_without_poses(const BuildOptions& options, MapStore& store, Parameter
     write_trajectory(options.poses_out, run);
     log->discard();
   }
-  finish(options, store, maintainer.map(), run);
+  finish(options, store, maintainer.map(), cause_of_build(options, parameters), run);
   end_as(run.run);
   if (run.is_lost() || run.is_hardly_tracked()) {
     throw std::runtime_error(fmt::format(
@@ -105,6 +126,11 @@ void add_build(CLI::App& app) {
       ->type_name("FILE");
   add_odometry_options(*verb, options->odometry, options->run.reading);
   verb->add_option("-o,--output", options->map, "Map to write")->required()->type_name("MAP.evm");
+  verb->add_flag("--resume", options->resume,
+                 "Go on with a build that was stopped or killed, after the last scan that MAP.evm has")
+      ->needs(poses);
+  add_sync_option(*verb, options->journal);
+  verb->get_option("--sync")->needs(poses);
   add_leaf_option(*verb, options->leaf);
   add_frame_options(*verb, options->frame);
   add_range_options(*verb, options->parameters);

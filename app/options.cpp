@@ -9,6 +9,7 @@
 #include <xxhash.h>
 
 #include <evermap/config/parameters_file.hpp>
+#include <evermap/files/file_error.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
 #include <evermap/io/detail/quaternion.hpp>
 #include <evermap/io/map_file.hpp>
@@ -209,6 +210,17 @@ MapCause cause_of(const std::string& verb, const std::filesystem::path& scans, c
   const std::string yaml = to_yaml(parameters);
   return {fmt::format("{} {}", verb, scans.string()),
           fmt::format("{:016x}", XXH3_64bits(yaml.data(), yaml.size()))};
+}
+
+std::size_t scans_before(const std::filesystem::path& map, const MapCause& cause) {
+  const char* advice = "; leave --resume out to begin with the first scan";
+  if (!MapHistory::exists_for(map))
+    throw FileError(map, std::string("has no history that a run could go on with") + advice);
+  const MapCause last = MapHistory(map).versions().back().cause;
+  if (last.scans == 0 || !last.what.starts_with(cause.what + ","))
+    throw FileError(map, "was not left by such a run that was stopped, but by: " + last.what + advice);
+  spdlog::warn("{}: goes on after {} scans", map.string(), last.scans);
+  return last.scans;
 }
 
 void add_sync_option(CLI::App& verb, JournalParameters& journal) {

@@ -74,6 +74,9 @@ bool acknowledge(MapStore& store, const std::function<Octree()>& map, std::size_
 bool leave_if_large(MapStore& store, const Octree& map, const JournalParameters& journal, std::size_t scans);
 /// What a run is, for the history of the map that it changes.
 MapCause cause_of(const std::string& verb, const std::filesystem::path& scans, const Parameters& parameters);
+/// How many scans a map has of such a run that was stopped or killed, which is to go on; says so. Throws
+/// FileError when the map was not left by one.
+std::size_t scans_before(const std::filesystem::path& map, const MapCause& cause);
 /// --sync
 void add_sync_option(CLI::App& verb, JournalParameters& journal);
 /// How long to wait for another process that changes the map.

@@ -8,7 +8,6 @@
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
-#include <evermap/files/file_error.hpp>
 #include <evermap/history/map_store.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
 
@@ -27,19 +26,6 @@ struct UpdateOptions {
   bool as_json = false;
 };
 
-/// How many of these scans the map has, of an update that was stopped or killed.
-std::size_t scans_before(const UpdateOptions& options, const MapCause& cause) {
-  const char* advice = "; leave --resume out to begin with the first scan";
-  if (!MapHistory::exists_for(options.output))
-    throw FileError(options.output, std::string("has no history that an update could go on with") + advice);
-  const MapCause last = MapHistory(options.output).versions().back().cause;
-  if (last.scans == 0 || !last.what.starts_with(cause.what + ","))
-    throw FileError(options.output, "was not left by an update with these scans that was stopped, but by: " +
-                                        last.what + advice);
-  spdlog::warn("{}: goes on after {} scans", options.output.string(), last.scans);
-  return last.scans;
-}
-
 void prepare_outputs(const UpdateOptions& options) {
   check_writable(options.output);
   if (!options.report.empty()) prepare_report(options.report);
@@ -51,7 +37,7 @@ void run_update(const UpdateOptions& options) {
   MapStore store(options.output, options.patience);
   MapCause cause = cause_of("update", options.run.scans, parameters);
   ScanOptions reading = options.run.reading;
-  if (options.resume) reading.selection.skip = scans_before(options, cause);
+  if (options.resume) reading.selection.skip = scans_before(options.output, cause);
   PosedScans scans(options.run.scans, options.run.poses, parameters.lidar.scan_period, reading);
   MapMaintainer maintainer(load_start(options.resume ? options.output : options.map, store), parameters);
   const Octree before = maintainer.map();

@@ -81,8 +81,30 @@ TEST_F(InterruptionTest, AnUpdateThatWasStoppedGoesOn) {
     EXPECT_EQ(nlohmann::json::parse(result.out)["scans"]["done"], 200 - before);
     const Result again = run(go_on);
     EXPECT_EQ(again.exit_code, 1);
-    EXPECT_NE(again.err.find("was not left by an update"), std::string::npos) << again.err;
+    EXPECT_NE(again.err.find("was not left by such a run"), std::string::npos) << again.err;
   }
+}
+
+// As if it had never been stopped, to the bit.
+TEST_F(InterruptionTest, ABuildThatWasStoppedGoesOn) {
+  make_hall_drive("drive", 100);
+  expect_done(build("drive", "whole.evm"));
+  for (const int signal : {SIGTERM, SIGKILL}) {
+    std::filesystem::remove(path("map.evm.history"));
+    std::filesystem::remove(path("map.evm"));
+    std::vector<std::string> arguments = build("drive", "map.evm");
+    arguments.insert(arguments.end(), {"--json", "--sync", "1"});
+    interrupt(arguments, signal, "10003.bin");
+    arguments.emplace_back("--resume");
+    const Result result = run(arguments);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE(result.err.find("goes on after "), std::string::npos) << result.err;
+    EXPECT_LT(nlohmann::json::parse(result.out)["scans"]["done"], 100);
+    EXPECT_TRUE(content(path("map.evm")) == content(path("whole.evm")));
+  }
+  std::vector<std::string> again = build("drive", "whole.evm");
+  again.emplace_back("--resume");
+  expect_failed(again, "has no history that a run could go on with");
 }
 
 TEST_F(InterruptionTest, ALargeMapIsLeftInItsJournal) {

@@ -181,7 +181,7 @@ void MapStore::commit(const Octree& map, const MapCause& cause) {
 }
 
 void MapStore::create(const Octree& map, const MapCause& cause) {
-  if (MapHistory::exists_for(path_)) return commit(map, cause);
+  if (MapHistory::exists_for(path_) || cause.scans > 0) return commit(map, cause);
   save(map);
 }
 

@@ -52,7 +52,8 @@ class MapStore {
 
   /// Puts a map in place of the one that is there, which stays in the history.
   void commit(const Octree& map, const MapCause& cause);
-  /// Puts a new map in place; what was there stays only if it has a history.
+  /// Puts a new map in place; what was there stays only if it has a history, or if the cause tells of a run
+  /// that was stopped.
   void create(const Octree& map, const MapCause& cause);
 
   /// From now on `acknowledge` keeps a journal of the run that begins with this map. What it wrote is given
