@@ -105,7 +105,7 @@ std::optional<Pose> PclLocalizer::locate(const Scan& raw, const std::optional<Po
     velocity = log(T_odom_before_->inverse() * *T_odom_sensor) / scan_period_;
   T_odom_before_ = T_odom_sensor;
   const Pose moved = is_first_ ? Pose{} : exp(scan_period_ * velocity);
-  const auto found =
+  auto found =
       aligner_->align(deskew(raw, ScanMotion::steady(velocity), scan_period_), T_map_sensor_ * moved);
   const Pose T_map_before = std::exchange(T_map_sensor_, found.value_or(T_map_sensor_ * moved));
   if (!is_first_) velocity_ = log(T_map_before.inverse() * T_map_sensor_) / scan_period_;

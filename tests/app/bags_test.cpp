@@ -17,7 +17,7 @@ class BagsTest : public ProgramTest {
   static constexpr int kScans = 6;
 
   BagsTest() {
-    make_drive("drive", kScans, true);
+    make_hall_drive("drive", kScans);
     std::vector<StampedPose> poses = read_poses(path("drive.txt")).poses;
     for (std::size_t i = 0; i < poses.size(); ++i) poses[i].time = kStart + 0.1 * static_cast<double>(i);
     write_tum_poses(path("stamped.txt"), poses);
@@ -84,7 +84,7 @@ TEST_F(BagsTest, WhatABagHoldsIsShownWithTheCommandThatUsesIt) {
   const Result result = run({"info", name("drive.bag")});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   for (const std::string text :
-       {"/points  sensor_msgs/PointCloud2  6 messages, 10.00 Hz", "frame lidar, 1 x 23040 points: x float32",
+       {"/points  sensor_msgs/PointCloud2  6 messages, 10.00 Hz", "frame lidar, 1 x 11488 points: x float32",
         "frames   base_link lidar map odom", "drive.bag --odometry odom -r 0.2 -o map.evm", "--poses map"}) {
     EXPECT_NE(result.out.find(text), std::string::npos) << result.out << "lacks: " << text;
   }

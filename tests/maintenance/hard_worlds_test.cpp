@@ -183,7 +183,7 @@ TEST(HardWorlds, AnEndlessCorridorIsFollowedByOdometry) {
 TEST(HardWorlds, AMapOfAnotherPlaceIsFoundOut) {
   MapMaintainer maintainer(test::survey_map(test::yard().survey_scene(), 0.4), {}, MapMode::kMaintenance,
                            at(0, 0, 1.7));
-  const Outcome elsewhere = run(maintainer, room(10, 4, {0, 0, 0}), test::small_lidar(), 6,
+  const Outcome elsewhere = run(maintainer, room(10, 4, {0, 0, 0}), test::small_lidar(), 30,
                                 [](double time) { return at(0.5 * time, 0, 1); });
   EXPECT_EQ(elsewhere.believed, 0U);
   EXPECT_EQ(elsewhere.written, 0U);

@@ -72,6 +72,7 @@ void Localizer::begin(const Pose& T_map_sensor, double time, const EgoMotion& eg
   last_ = {T_map_sensor, within(0, 0), velocity.value_or(Twist::Zero()), time, ego};
   last_time_ = time;
   velocity_ = velocity;
+  is_own_map_ = true;
 }
 
 Twist Localizer::velocity_to(const Pose& T_map_sensor, double time) const {
@@ -211,6 +212,11 @@ void Localizer::consider_places(const Octree& map, const Scan& raw, const PoseEs
   // A search has its own reach.
   const Pose& expected = is_lost() ? winner.registration.T_map_sensor : found.T_map_sensor_predicted;
   found.reject_reason = gate_.judge_best(all, best, expected, slack(found));
+  // A floor fits anywhere on a floor. In a map that was there before, a place is found by more than that.
+  constexpr double kLeastExplained = 0.5;
+  if (found.passes() && !found.motion_is_known && !is_own_map_ &&
+      winner.registration.explained_fraction() < kLeastExplained)
+    found.reject_reason = RejectReason::kTooFewInliers;
   constexpr double kAsGood = 0.95;
   if (found.passes() && winner.registration.explained_fraction() < kAsGood * tied_)
     found.reject_reason = RejectReason::kAmbiguous;

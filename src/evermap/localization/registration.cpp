@@ -41,22 +41,27 @@ Matches match(const Octree& map, const std::vector<Gaussian>& bundles_sensor, co
   return matches;
 }
 
-/// The equations of all factors, joined in order.
-NormalEquations linearize(const Matches& matches, const std::vector<Gaussian>& bundles_sensor,
-                          const Pose& T_map_sensor, const RobustKernel& kernel) {
+/// The sum of what `add(equations, i)` adds for each match, joined in order.
+template <class Add>
+NormalEquations sum_of(const Matches& matches, Add&& add) {
   std::vector<NormalEquations> sums(chunks(matches.size(), kChunk));
   for_each_chunk(matches.size(), kChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Gaussian& bundle = bundles_sensor[i];
-      if (!matches[i].is_on_map) sums[chunk].asked += std::sqrt(bundle.count);
-      if (!matches[i].factor) continue;
-      const Eigen::Vector3d from_sensor = T_map_sensor.rotation * bundle.mean;
-      matches[i].factor->add_to(sums[chunk], T_map_sensor.translation + from_sensor, from_sensor, kernel);
-    }
+    for (std::size_t i = begin; i < end; ++i) add(sums[chunk], i);
   });
   NormalEquations total;
   for (const NormalEquations& sum : sums) total += sum;
   return total;
+}
+
+NormalEquations linearize(const Matches& matches, const std::vector<Gaussian>& bundles_sensor,
+                          const Pose& T_map_sensor, const RobustKernel& kernel) {
+  return sum_of(matches, [&](NormalEquations& equations, std::size_t i) {
+    const Gaussian& bundle = bundles_sensor[i];
+    if (!matches[i].is_on_map) equations.asked += std::sqrt(bundle.count);
+    if (!matches[i].factor) return;
+    const Eigen::Vector3d from_sensor = T_map_sensor.rotation * bundle.mean;
+    matches[i].factor->add_to(equations, T_map_sensor.translation + from_sensor, from_sensor, kernel);
+  });
 }
 
 /// Whether a pose has moved so far that bundles may belong to other leaves.
@@ -103,7 +108,43 @@ bool search(Registration& at, const Octree& map, const std::vector<Gaussian>& bu
   return settled;
 }
 
-/// Moves by the last millimetres. Returns the equations of the last step.
+/// Moves by how far bundles are off their leaves' planes, compared with one another: most by millimetres.
+/// What is off by centimetres, though less than leaf and bundle are thick, has changed: a floor that was dug
+/// away by little, a container that came back beside its place. All of that together draws poses to one side,
+/// and the map after them.
+void settle(Registration& at, const Matches& matches, const std::vector<Gaussian>& bundles_sensor,
+            const Directions& directions, double damping) {
+  constexpr int kSteps = 2;
+  constexpr double kWidth = 3;  // standard deviations at which a bundle has a quarter of its weight
+  constexpr double kMedianToSigma = 1.4826;  // of a normal distribution
+  std::vector<double> offs(matches.size());  // [m]
+  std::vector<double> distances;
+  distances.reserve(matches.size());
+  for (int step = 0; step < kSteps; ++step) {
+    distances.clear();
+    for (std::size_t i = 0; i < matches.size(); ++i) {
+      if (!matches[i].factor) continue;
+      const Correspondence& leaf = matches[i].factor->match;
+      offs[i] = leaf.normal.dot(leaf.mean_leaf - at.T_map_sensor * bundles_sensor[i].mean);
+      distances.push_back(std::abs(offs[i]));
+    }
+    if (distances.empty()) return;
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    const RobustKernel kernel{kWidth * kMedianToSigma * *middle};
+    const auto add = [&](NormalEquations& equations, std::size_t i) {
+      if (!matches[i].factor) return;
+      const Factor& factor = *matches[i].factor;
+      const Twist row = jacobian(factor.match.normal, at.T_map_sensor.rotation * bundles_sensor[i].mean);
+      const Twist weighted = factor.trust * kernel.weight(offs[i] * offs[i]) * factor.stiffness * row;
+      equations.hessian += weighted * row.transpose();
+      equations.gradient += offs[i] * weighted;
+    };
+    move(at, sum_of(matches, add), directions, damping);
+  }
+}
+
+/// Moves by the last millimetres. Returns the equations of the last step but those of settle().
 NormalEquations refine(Registration& at, const Octree& map, const std::vector<Gaussian>& bundles_sensor,
                        const Directions& directions, const RegistrationParameters& parameters) {
   constexpr int kSteps = 2;  // weighed anew in each; a third gains 3 %
@@ -114,6 +155,7 @@ NormalEquations refine(Registration& at, const Octree& map, const std::vector<Ga
     equations = linearize(matches, bundles_sensor, at.T_map_sensor, kernel);
     move(at, equations, directions, parameters.damping);
   }
+  settle(at, matches, bundles_sensor, directions, parameters.damping);
   return equations;
 }
 

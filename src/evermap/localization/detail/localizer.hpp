@@ -159,6 +159,7 @@ class Localizer {
   Gate gate_;
   TrackingState state_ = TrackingState::kStarting;
   Pose T_map_sensor_initial_;
+  bool is_own_map_ = false;        ///< made of this robot's scans alone, since begin()
   std::optional<Fix> last_;        ///< none before the first
   std::optional<Twist> velocity_;  ///< [m/s, rad/s] in the sensor's frame, once two fixes tell it
   Eigen::Vector3d gyroscope_bias_ = Eigen::Vector3d::Zero();  ///< [rad/s] in the sensor's frame
