@@ -91,8 +91,8 @@ template <class Localization, class Visit>
 void for_each_localization_field(Localization& localization, Visit&& visit) {
   auto& [registration, gate, relocation] = localization;
   {
-    auto& [termination, first_bundles, least_matches, first_kernel_width, last_kernel_width, damping,
-           least_inlier_fraction] = registration;
+    auto& [termination, first_bundles, least_matches, first_kernel_width, last_kernel_width, settling_width,
+           damping, least_inlier_fraction] = registration;
     auto& [max_iterations, least_translation, least_rotation] = termination;
     visit("registration.max_iterations", max_iterations, "", Limits{1, 1000}, "steps in search of a pose");
     visit("registration.least_translation", least_translation, "m", Limits{1e-6, 1},
@@ -107,6 +107,8 @@ void for_each_localization_field(Localization& localization, Visit&& visit) {
           "width of the robust kernel at first; halved from step to step");
     visit("registration.last_kernel_width", last_kernel_width, "sigma", Limits{0.1, 100},
           "width of the robust kernel at last");
+    visit("registration.settling_width", settling_width, "sigma", Limits{0, 100},
+          "of the last steps' kernel, in what is usual for bundles off their leaves; 0: no such steps");
     visit("registration.damping", damping, "", kFraction, "fraction of the Hessian's diagonal added to it");
     visit("registration.least_inlier_fraction", least_inlier_fraction, "", kFraction,
           "of the bundles, below which a scan does not fit the map");

@@ -113,9 +113,8 @@ bool search(Registration& at, const Octree& map, const std::vector<Gaussian>& bu
 /// away by little, a container that came back beside its place. All of that together draws poses to one side,
 /// and the map after them.
 void settle(Registration& at, const Matches& matches, const std::vector<Gaussian>& bundles_sensor,
-            const Directions& directions, double damping) {
+            const Directions& directions, const RegistrationParameters& parameters) {
   constexpr int kSteps = 2;
-  constexpr double kWidth = 3;  // standard deviations at which a bundle has a quarter of its weight
   constexpr double kMedianToSigma = 1.4826;  // of a normal distribution
   std::vector<double> offs(matches.size());  // [m]
   std::vector<double> distances;
@@ -131,7 +130,7 @@ void settle(Registration& at, const Matches& matches, const std::vector<Gaussian
     if (distances.empty()) return;
     const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
     std::nth_element(distances.begin(), middle, distances.end());
-    const RobustKernel kernel{kWidth * kMedianToSigma * *middle};
+    const RobustKernel kernel{parameters.settling_width * kMedianToSigma * *middle};
     const auto add = [&](NormalEquations& equations, std::size_t i) {
       if (!matches[i].factor) return;
       const Factor& factor = *matches[i].factor;
@@ -140,7 +139,7 @@ void settle(Registration& at, const Matches& matches, const std::vector<Gaussian
       equations.hessian += weighted * row.transpose();
       equations.gradient += offs[i] * weighted;
     };
-    move(at, sum_of(matches, add), directions, damping);
+    move(at, sum_of(matches, add), directions, parameters.damping);
   }
 }
 
@@ -155,7 +154,7 @@ NormalEquations refine(Registration& at, const Octree& map, const std::vector<Ga
     equations = linearize(matches, bundles_sensor, at.T_map_sensor, kernel);
     move(at, equations, directions, parameters.damping);
   }
-  settle(at, matches, bundles_sensor, directions, parameters.damping);
+  if (parameters.settling_width > 0) settle(at, matches, bundles_sensor, directions, parameters);
   return equations;
 }
 

@@ -19,11 +19,13 @@ namespace evermap {
 
 struct RegistrationParameters {
   Termination termination;
-  std::size_t first_bundles = 1000;    ///< that find the pose, evenly over the scan; then all refine it
-  std::size_t least_matches = 50;      ///< bundles on the map, below which a pose is a guess
-  double first_kernel_width = 6;       ///< Mahalanobis distance; wide at first, so that far leaves may pull,
-  double last_kernel_width = 2;        ///< then halved from step to step down to this one
-  double damping = 1e-6;               ///< fraction of the Hessian's diagonal
+  std::size_t first_bundles = 1000;  ///< that find the pose, evenly over the scan; then all refine it
+  std::size_t least_matches = 50;    ///< bundles on the map, below which a pose is a guess
+  double first_kernel_width = 6;     ///< Mahalanobis distance; wide at first, so that far leaves may pull,
+  double last_kernel_width = 2;      ///< then halved from step to step down to this one
+  double settling_width = 3;         ///< of the last kernel, in robust standard deviations of how far bundles
+                                     ///< are off their leaves' planes; 0: none
+  double damping = 1e-6;             ///< fraction of the Hessian's diagonal
   double least_inlier_fraction = 0.5;  ///< of the bundles on the map: chance alone gives a third
 };
 
