@@ -141,6 +141,16 @@ TEST(Registration, FindsThePoseFromAMetreAndTenDegrees) {
   EXPECT_EQ(missed, 0);
 }
 
+// All bundles are where their leaves are, so that none is off by more than is usual.
+TEST(Registration, AMapOfTheSameScanHoldsItWhereItIs) {
+  Octree map(VoxelGrid{.edge = 0.4});
+  const Scan scan = yard_now().scan(0);
+  add_cloud(map, scan, Pose{}, {}, {});
+  const Registration found = register_fine(map, scan, Pose{});
+  EXPECT_TRUE(found.converged());
+  EXPECT_LT(difference(Pose{}, found.T_map_sensor).norm(), 1e-3);
+}
+
 TEST(Registration, AnyNumberOfThreadsGivesTheSameBytes) {
   test::Random random(8);
   const Scan scan = yard_now().scan(0);

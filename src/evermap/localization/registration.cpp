@@ -116,6 +116,7 @@ void settle(Registration& at, const Matches& matches, const std::vector<Gaussian
             const Directions& directions, const RegistrationParameters& parameters) {
   constexpr int kSteps = 2;
   constexpr double kMedianToSigma = 1.4826;  // of a normal distribution
+  constexpr double kLeast = 0.001;           // [m] where the map was made of the same scan
   std::vector<double> offs(matches.size());  // [m]
   std::vector<double> distances;
   distances.reserve(matches.size());
@@ -130,7 +131,8 @@ void settle(Registration& at, const Matches& matches, const std::vector<Gaussian
     if (distances.empty()) return;
     const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
     std::nth_element(distances.begin(), middle, distances.end());
-    const RobustKernel kernel{parameters.settling_width * kMedianToSigma * *middle};
+    const double sigma = std::max(kLeast, kMedianToSigma * *middle);
+    const RobustKernel kernel{parameters.settling_width * sigma};
     const auto add = [&](NormalEquations& equations, std::size_t i) {
       if (!matches[i].factor) return;
       const Factor& factor = *matches[i].factor;
