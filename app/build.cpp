@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 
+#include "journaled_run.hpp"
 #include "localized_run.hpp"
 #include "options.hpp"
 #include "report.hpp"
@@ -57,18 +58,8 @@ void build_from_poses(const BuildOptions& options, MapStore& store, const Parame
   MapMaintainer maintainer(options.resume ? store.load() : Octree(grid, options.frame), parameters,
                            MapMode::kMapping);
   PoseCheck check(Octree(grid), parameters.lidar, scans.poses());
-  store.begin(maintainer.map(), cause, options.journal);
-  const LookAtScan look_at_poses = check_poses(check, options.run);
-  std::size_t taken = reading.selection.skip;
-  const Run run =
-      run_over(scans, options.run.threads, maintainer, [&](const PosedScan& posed, const ScanResult& result) {
-        look_at_poses(posed, result);
-        taken = posed.index + 1;
-        acknowledge(
-            store, [&] { return maintainer.map(); }, taken);
-      });
-  cause.what += fmt::format(", {} scans", run.scans_done);
-  if (run.stopped_by != 0) cause.scans = taken;
+  const Run run = run_journaled(scans, options.run, maintainer, check, store, options.journal, cause,
+                                reading.selection.skip);
   finish(options, store, maintainer.map(), cause, run);
   end_as(run);
 }

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include "journaled_run.hpp"
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
@@ -43,20 +44,10 @@ void run_update(const UpdateOptions& options) {
   const Octree before = maintainer.map();
   spdlog::info("{}: {} leaves", options.map.string(), before.leaf_count());
   PoseCheck check(before, parameters.lidar, scans.poses());
-  store.begin(before, cause, options.journal);
-  const LookAtScan look_at_poses = check_poses(check, options.run);
-  std::size_t taken = reading.selection.skip;
-  const Run run =
-      run_over(scans, options.run.threads, maintainer, [&](const PosedScan& posed, const ScanResult& result) {
-        look_at_poses(posed, result);
-        taken = posed.index + 1;
-        acknowledge(
-            store, [&] { return maintainer.map(); }, taken);
-      });
+  const Run run = run_journaled(scans, options.run, maintainer, check, store, options.journal, cause,
+                                reading.selection.skip);
   const Octree octree = maintainer.map();
-  if (run.stopped_by != 0 && leave_if_large(store, octree, options.journal, taken)) end_as(run);
-  cause.what += fmt::format(", {} scans", run.scans_done);
-  if (run.stopped_by != 0) cause.scans = taken;
+  if (run.stopped_by != 0 && leave_if_large(store, octree, options.journal, cause.scans)) end_as(run);
   put_in_place(store, octree, cause);
   const ChangeReport report{{options.output, before, octree}, run};
   if (!options.report.empty()) {

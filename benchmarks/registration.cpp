@@ -18,9 +18,10 @@
 
 #ifdef EVERMAP_HAS_PCL
 #include <pcl/console/print.h>
-#include <pcl/filters/voxel_grid.h>
 #include <pcl/registration/gicp.h>
 #include <pcl/registration/ndt.h>
+
+#include "experiments/pcl_cloud.hpp"
 #endif
 
 namespace evermap {
@@ -104,31 +105,10 @@ void evermap_coarse_to_fine(benchmark::State& state) {
 }
 
 #ifdef EVERMAP_HAS_PCL
-using Cloud = pcl::PointCloud<pcl::PointXYZ>;
-
-Cloud::Ptr cloud_of(const std::vector<Eigen::Vector3d>& points, double edge) {
-  auto all = pcl::make_shared<Cloud>();
-  for (const Eigen::Vector3d& p : points)
-    all->push_back(pcl::PointXYZ(p.cast<float>().x(), p.cast<float>().y(), p.cast<float>().z()));
-  if (edge == 0) return all;
-  auto thinned = pcl::make_shared<Cloud>();
-  pcl::VoxelGrid<pcl::PointXYZ> filter;
-  filter.setLeafSize(static_cast<float>(edge), static_cast<float>(edge), static_cast<float>(edge));
-  filter.setInputCloud(all);
-  filter.filter(*thinned);
-  return thinned;
-}
-
 /// Thins the scan to one point per leaf, as is usual, and aligns it.
-template <class Method>
-Pose align(Method& method, std::size_t i, double edge) {
-  method.setInputSource(cloud_of(setting().scans[i].p_sensor, edge));
-  Eigen::Matrix4f start = Eigen::Matrix4f::Identity();
-  start.topLeftCorner<3, 3>() = setting().starts[i].rotation.cast<float>();
-  start.topRightCorner<3, 1>() = setting().starts[i].translation.cast<float>();
-  Cloud moved;
-  method.align(moved, start);
-  const Eigen::Matrix4d end = method.getFinalTransformation().template cast<double>();
+Pose align(pcl::Registration<pcl::PointXYZ, pcl::PointXYZ>& method, std::size_t i, double edge) {
+  const PclCloud::Ptr scan = pcl_cloud_of(setting().scans[i].p_sensor, edge);
+  const Eigen::Matrix4d end = pcl_align(method, scan, setting().starts[i]);
   return {nearest_rotation(end.topLeftCorner<3, 3>()), end.topRightCorner<3, 1>()};
 }
 
@@ -137,7 +117,7 @@ void pcl_ndt(benchmark::State& state) {
   ndt.setResolution(1.0F);             // PCL's default: its cells need many points each
   ndt.setTransformationEpsilon(1e-8);  // of the squared step; the default stops at the first one
   ndt.setMaximumIterations(100);
-  ndt.setInputTarget(cloud_of(setting().survey, 0));
+  ndt.setInputTarget(pcl_cloud_of(setting().survey, 0));
   run(state, [&](std::size_t i) { return align(ndt, i, edge_of(state)); });
 }
 
@@ -146,7 +126,7 @@ void pcl_gicp(benchmark::State& state) {
   gicp.setMaxCorrespondenceDistance(1.0);
   gicp.setTransformationEpsilon(1e-5);
   gicp.setRotationEpsilon(1e-5);
-  gicp.setInputTarget(cloud_of(setting().survey, edge_of(state)));
+  gicp.setInputTarget(pcl_cloud_of(setting().survey, edge_of(state)));
   align(gicp, 0, edge_of(state));  // computes the target's covariances, which are then kept
   run(state, [&](std::size_t i) { return align(gicp, i, edge_of(state)); });
 }

@@ -133,8 +133,8 @@ Octree map_of(const Trial& trial, const Drive& drive, const Parameters& paramete
   Octree map(VoxelGrid{.edge = trial.leaf});
   if (trial.is_surveyed) {
     Scan cloud;
-    cloud.p_sensor = drive.driven.survey(std::min(0.1, trial.leaf / 4));
-    add_survey(map, cloud, {Eigen::Matrix3d::Identity(), trial.shift}, parameters);
+    cloud.p_sensor = cloud_of(trial, drive);
+    add_survey(map, cloud, Pose{}, parameters);
     return map;
   }
   for (std::size_t i = 0; i < drive.scans.size(); ++i) {

@@ -9,40 +9,19 @@
 
 #ifdef EVERMAP_HAS_PCL
 #include <pcl/console/print.h>
-#include <pcl/filters/voxel_grid.h>
 #include <pcl/registration/gicp.h>
 #include <pcl/registration/ndt.h>
+
+#include "experiments/pcl_cloud.hpp"
 #endif
 
 namespace evermap {
 
 #ifdef EVERMAP_HAS_PCL
-namespace {
-
-using Cloud = pcl::PointCloud<pcl::PointXYZ>;
-
-/// One point a cube of this edge [m], as is usual.
-Cloud::Ptr thinned(const std::vector<Eigen::Vector3d>& points, float edge) {
-  auto all = pcl::make_shared<Cloud>();
-  all->reserve(points.size());
-  for (const Eigen::Vector3d& p : points) {
-    const Eigen::Vector3f q = p.cast<float>();
-    all->push_back({q.x(), q.y(), q.z()});
-  }
-  auto few = pcl::make_shared<Cloud>();
-  pcl::VoxelGrid<pcl::PointXYZ> filter;
-  filter.setLeafSize(edge, edge, edge);
-  filter.setInputCloud(all);
-  filter.filter(*few);
-  return few;
-}
-
-}  // namespace
-
 class PclLocalizer::Aligner {
  public:
   Aligner(std::string_view method, const std::vector<Eigen::Vector3d>& cloud_map) {
-    constexpr float kMapPoints = 0.1F;  // [m]
+    constexpr double kMapPoints = 0.1;  // [m]
     pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
     if (method == "PCL NDT") {
       auto ndt = std::make_unique<pcl::NormalDistributionsTransform<pcl::PointXYZ, pcl::PointXYZ>>();
@@ -57,18 +36,12 @@ class PclLocalizer::Aligner {
       gicp->setRotationEpsilon(1e-5);
       registration_ = std::move(gicp);
     }
-    registration_->setInputTarget(thinned(cloud_map, kMapPoints));
+    registration_->setInputTarget(pcl_cloud_of(cloud_map, kMapPoints));
   }
 
   std::optional<Pose> align(const Scan& scan, const Pose& guess) {
-    constexpr float kScanPoints = 0.2F;  // [m]
-    registration_->setInputSource(thinned(scan.p_sensor, kScanPoints));
-    Eigen::Matrix4f start = Eigen::Matrix4f::Identity();
-    start.topLeftCorner<3, 3>() = guess.rotation.cast<float>();
-    start.topRightCorner<3, 1>() = guess.translation.cast<float>();
-    Cloud moved;
-    registration_->align(moved, start);
-    const Eigen::Matrix4d end = registration_->getFinalTransformation().cast<double>();
+    constexpr double kScanPoints = 0.2;  // [m]
+    const Eigen::Matrix4d end = pcl_align(*registration_, pcl_cloud_of(scan.p_sensor, kScanPoints), guess);
     if (!registration_->hasConverged() || !end.allFinite()) return std::nullopt;
     return Pose{nearest_rotation(end.topLeftCorner<3, 3>()), end.topRightCorner<3, 1>()};
   }

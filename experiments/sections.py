@@ -268,16 +268,25 @@ def section_arena(units, folder):
             (by_all if "mappers" in trial else trials).append(trial)
     kinds = sorted({trial["kind"] for trial in trials})
 
-    def row(name, some):
-        errors = [1000 * error for trial in some for error in trial["errors"]]
-        return [name, len(some), 100 * ratio(sum(t["tracked"] for t in some), sum(t["observable"] for t in some)),
-                sum(t["wrong"] for t in some), sum(t["wrong written"] for t in some), percentile(errors, 0.5),
-                percentile(errors, 0.95), max(errors, default=NOTHING)]
+    def total(some, key):
+        return sum(trial[key] for trial in some)
 
-    def rival_row(name, some, scans):
-        errors = [1000 * error for trial in some for error in trial["errors"]]
-        return [name, 100 * ratio(sum(t["tracked"] for t in some), sum(t["observable"] for t in some)),
-                sum(t["wrong"] for t in some), scans, percentile(errors, 0.5), percentile(errors, 0.95)]
+    def percent_tracked(some):
+        return 100 * ratio(total(some, "tracked"), total(some, "observable"))
+
+    def errors_of(some):
+        return [1000 * error for trial in some for error in trial["errors"]]
+
+    def row(name, some):
+        errors = errors_of(some)
+        return [name, len(some), percent_tracked(some), total(some, "wrong"), total(some, "wrong written"),
+                percentile(errors, 0.5), percentile(errors, 0.95), max(errors, default=NOTHING)]
+
+    def rival_row(name):
+        some = [trial["mappers"][name] for trial in by_all]
+        errors = errors_of(some)
+        return [name, percent_tracked(some), total(some, "wrong"), total(by_all, "scans"), percentile(errors, 0.5),
+                percentile(errors, 0.95)]
 
     def sorted_errors(kind):
         errors = sorted(error for trial in trials if trial["kind"] == kind for error in trial["errors"])
@@ -301,11 +310,9 @@ def section_arena(units, folder):
             "velocity before leads; what converges is believed",
             [Column("method"), Column("tracked [%]", 1), Column("confidently wrong"), Column("of scans"), Column("median [mm]", 1),
              Column("95 % [mm]", 1)],
-            [rival_row(name, [trial["mappers"][name] for trial in by_all], sum(trial["scans"] for trial in by_all))
-             for name in by_all[0]["mappers"]]))
-    section.aim_at_most("arena", "confidently wrong scans", 0, sum(t["wrong"] for t in trials))
-    section.aim_at_least("arena", "fraction tracked", 0.99,
-                         ratio(sum(t["tracked"] for t in trials), sum(t["observable"] for t in trials)))
+            [rival_row(name) for name in by_all[0]["mappers"]]))
+    section.aim_at_most("arena", "confidently wrong scans", 0, total(trials, "wrong"))
+    section.aim_at_least("arena", "fraction tracked", 0.99, percent_tracked(trials) / 100)
     return section
 
 

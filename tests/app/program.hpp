@@ -136,26 +136,28 @@ class ProgramTest : public FileTest {
     }
     return bytes_of(values);
   }
-  /// A folder of `count` scans of the room and a file of poses for them, a few centimetres apart.
-  void make_drive(const std::string& folder, int count, bool has_wall) const {
+  /// A folder of these scans and a file of poses for them, each `forward` and `aside` [m] of the one before.
+  void make_scans(const std::string& folder, const std::vector<std::string>& scans, double forward,
+                  double aside) const {
     std::filesystem::create_directory(path(folder));
     std::string poses;
-    const std::string scan = room(has_wall);
-    for (int i = 0; i < count; ++i) {
-      make(folder + "/" + std::to_string(10000 + i) + ".bin", scan);
-      poses += "1 0 0 " + std::to_string(0.01 * i) + " 0 1 0 0 0 0 1 0\n";
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      const auto steps = static_cast<double>(i);
+      make(folder + "/" + std::to_string(10000 + i) + ".bin", scans[i]);
+      poses += "1 0 0 " + std::to_string(forward * steps) + " 0 1 0 " + std::to_string(aside * steps) +
+               " 0 0 1 0\n";
     }
     make(folder + ".txt", poses);
   }
-  /// The same of a drive through the hall, whose scans tell where they were taken.
+  /// `count` scans of the room, all alike, that are said to be a centimetre apart.
+  void make_drive(const std::string& folder, int count, bool has_wall) const {
+    make_scans(folder, std::vector<std::string>(static_cast<std::size_t>(count), room(has_wall)), 0.01, 0);
+  }
+  /// A drive through the hall, whose scans tell where they were taken.
   void make_hall_drive(const std::string& folder, int count) const {
-    std::filesystem::create_directory(path(folder));
-    std::string poses;
-    for (int i = 0; i < count; ++i) {
-      make(folder + "/" + std::to_string(10000 + i) + ".bin", hall(0.1 * i, 0.02 * i));
-      poses += "1 0 0 " + std::to_string(0.1 * i) + " 0 1 0 " + std::to_string(0.02 * i) + " 0 0 1 0\n";
-    }
-    make(folder + ".txt", poses);
+    std::vector<std::string> scans;
+    for (int i = 0; i < count; ++i) scans.push_back(hall(0.1 * i, 0.02 * i));
+    make_scans(folder, scans, 0.1, 0.02);
   }
   std::vector<std::string> build(const std::string& drive, const std::string& map) const {
     return {"build", name(drive), "--poses", name(drive + ".txt"), "-r", "0.4", "-o", name(map)};

@@ -28,15 +28,20 @@ Twist jacobian(const Eigen::Vector3d& normal, const Eigen::Vector3d& from_sensor
   return (Twist() << -normal, normal.cross(from_sensor)).finished();
 }
 
+void Factor::pull(NormalEquations& equations, double off, const Eigen::Vector3d& from_sensor,
+                  double weight) const {
+  const Twist row = jacobian(match.normal, from_sensor);
+  const Twist weighted = trust * weight * stiffness * row;
+  equations.hessian += weighted * row.transpose();
+  equations.gradient += off * weighted;
+}
+
 void Factor::add_to(NormalEquations& equations, const Eigen::Vector3d& mean_map,
                     const Eigen::Vector3d& from_sensor, const RobustKernel& kernel) const {
   const Eigen::Vector3d residual = match.mean_leaf - mean_map;
   const double mahalanobis_squared = residual.dot(match.information * residual);
-  const Twist row = jacobian(match.normal, from_sensor);
-  const Twist weighted = trust * kernel.weight(mahalanobis_squared) * stiffness * row;
-  equations.hessian += weighted * row.transpose();
   const double off = match.normal.dot(residual);
-  equations.gradient += off * weighted;
+  pull(equations, off, from_sensor, kernel.weight(mahalanobis_squared));
   equations.asked += trust;
   ++equations.matched;
   if (mahalanobis_squared >= kChiSquared95) return;

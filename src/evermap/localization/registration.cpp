@@ -135,11 +135,8 @@ void settle(Registration& at, const Matches& matches, const std::vector<Gaussian
     const RobustKernel kernel{parameters.settling_width * sigma};
     const auto add = [&](NormalEquations& equations, std::size_t i) {
       if (!matches[i].factor) return;
-      const Factor& factor = *matches[i].factor;
-      const Twist row = jacobian(factor.match.normal, at.T_map_sensor.rotation * bundles_sensor[i].mean);
-      const Twist weighted = factor.trust * kernel.weight(offs[i] * offs[i]) * factor.stiffness * row;
-      equations.hessian += weighted * row.transpose();
-      equations.gradient += offs[i] * weighted;
+      const Eigen::Vector3d from_sensor = at.T_map_sensor.rotation * bundles_sensor[i].mean;
+      matches[i].factor->pull(equations, offs[i], from_sensor, kernel.weight(offs[i] * offs[i]));
     };
     move(at, sum_of(matches, add), directions, parameters.damping);
   }
@@ -233,6 +230,7 @@ std::optional<Pose> place_along(const Registration& at, const NormalEquations& e
     const double sigma = std::sqrt(direction.dot(covariance.topLeftCorner<3, 3>() * direction));
     const int steps = static_cast<int>(std::clamp(kSigmas * sigma, kLeast, kMost) / kStep);
     for (int step = -steps; step <= steps; ++step) {
+      if (step == 0) continue;
       Pose there = at.T_map_sensor;
       there.translation += step * kStep * direction;
       const double fit = equations_at(map, bundles_sensor, there, kernel).fit();

@@ -50,6 +50,9 @@ struct Factor {
   /// the sensor, in the map's axes.
   void add_to(NormalEquations& equations, const Eigen::Vector3d& mean_map, const Eigen::Vector3d& from_sensor,
               const RobustKernel& kernel) const;
+  /// Adds to Hessian and gradient alone, with another weight than the kernel's, when the leaf's mean is `off`
+  /// [m] before the bundle's along the normal.
+  void pull(NormalEquations& equations, double off, const Eigen::Vector3d& from_sensor, double weight) const;
 };
 
 /// REQUIRES: the bundle has `count` points. None when they lie on a line with the leaf's, no wider than the
