@@ -52,7 +52,7 @@ void sync_folder_of(const std::filesystem::path& file) {
   const auto fail = [&](int error) {
     throw FileError(file, "its folder cannot be synced: " + std::generic_category().message(error));
   };
-  const int folder = ::open(folder_of(file).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int folder = open_descriptor(folder_of(file), O_RDONLY | O_DIRECTORY);
   if (folder < 0) {
     if (errno == EACCES) return;  // a folder one may write but not list cannot be synced by any means
     fail(errno);
@@ -68,7 +68,7 @@ void remove_leftovers_beside(const std::filesystem::path& file) {
   for (const auto& entry : std::filesystem::directory_iterator(folder_of(file), error)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(kTemporaryPrefix) || !name.ends_with(kTemporarySuffix)) continue;
-    const int descriptor = ::open(entry.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    const int descriptor = open_descriptor(entry.path(), O_RDONLY | O_NOFOLLOW);
     if (descriptor < 0) continue;
     if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(entry.path().c_str());
     ::close(descriptor);
@@ -132,13 +132,13 @@ void AtomicFile::open_temporary(unsigned permissions) {
   const std::string prefix = std::string(kTemporaryPrefix) + std::to_string(::getpid()) + "-";
   for (int i = 0; i < kMaxAttempts; ++i) {
     temporary_path_ = folder_of(target_) / (prefix + std::to_string(i) + std::string(kTemporarySuffix));
-    descriptor_ = ::open(temporary_path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, permissions);
+    descriptor_ = open_descriptor(temporary_path_, O_WRONLY | O_CREAT | O_EXCL, permissions);
     if (descriptor_ >= 0 && is_ours(descriptor_)) return;
     if (descriptor_ >= 0) {
       close();
       continue;
     }
-    if (errno != EEXIST && errno != EINTR) fail(errno, "no file can be made in its folder");
+    if (errno != EEXIST) fail(errno, "no file can be made in its folder");
   }
   fail(EEXIST, "remove old files " + prefix + "*.tmp from its folder");
 }

@@ -2,11 +2,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cerrno>
 #include <cstddef>
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <evermap/io/detail/descriptor.hpp>
 
 namespace evermap {
+
+int open_descriptor(const std::filesystem::path& path, int flags, unsigned permissions) {
+  for (;;) {
+    const int descriptor = ::open(path.c_str(), flags | O_CLOEXEC, permissions);
+    if (descriptor >= 0 || errno != EINTR) return descriptor;
+  }
+}
 
 int write_all(int descriptor, std::string_view bytes) {
   while (!bytes.empty()) {

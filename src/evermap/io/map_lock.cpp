@@ -13,6 +13,7 @@
 
 #include <evermap/files/file_error.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
+#include <evermap/io/detail/descriptor.hpp>
 #include <evermap/io/detail/map_lock.hpp>
 
 namespace evermap {
@@ -61,7 +62,7 @@ MapLock::~MapLock() {
 /// False when another process has it.
 bool MapLock::try_lock() {
   for (;;) {
-    descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    descriptor_ = open_descriptor(path_, O_RDWR | O_CREAT);
     if (descriptor_ < 0) throw FileError(path_, "cannot be made: " + std::generic_category().message(errno));
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) return false;
     // Its last holder may have removed it between the two calls.

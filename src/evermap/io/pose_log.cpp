@@ -38,10 +38,7 @@ std::filesystem::path PoseLog::path_of(const std::filesystem::path& poses) {
 }
 
 PoseLog::PoseLog(const std::filesystem::path& poses) : path_(path_of(poses)) {
-  constexpr unsigned kAll = 0666;  // what the user's umask leaves of it
-  do {
-    descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kAll);
-  } while (descriptor_ < 0 && errno == EINTR);
+  descriptor_ = open_descriptor(path_, O_WRONLY | O_CREAT | O_TRUNC);
   check_log(path_, descriptor_ < 0 ? errno : 0);
 }
 
