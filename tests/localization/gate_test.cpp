@@ -62,5 +62,26 @@ TEST(Gate, WidensForARobotThatMovesRoughlyButNotWithoutLimit) {
   EXPECT_EQ(gate.judge(fitting(0.61), Pose{}, 1), RejectReason::kTooFar);
 }
 
+Registration scoring(double score) {
+  Registration registration = fitting(0.01, 1, 1);
+  registration.fit = score;
+  return registration;
+}
+
+TEST(Gate, AScoreThatFallsAtOnceIsUnusual) {
+  Gate steady{GateParameters{}};
+  Gate noisy{GateParameters{}};
+  for (int i = 0; i < 20; ++i) {
+    steady.remember(scoring(0.9), Pose{}, true);
+    noisy.remember(scoring(i % 2 == 0 ? 0.87 : 0.9), Pose{}, true);
+  }
+  EXPECT_TRUE(steady.is_usual(scoring(0.89)));
+  EXPECT_FALSE(steady.is_usual(scoring(0.87)));
+  EXPECT_TRUE(noisy.is_usual(scoring(0.87)));
+  EXPECT_FALSE(noisy.is_usual(scoring(0.75)));
+  for (int i = 0; i < 10; ++i) steady.remember(scoring(0.9 - 0.015 * i), Pose{}, true);
+  EXPECT_TRUE(steady.is_usual(scoring(0.75))) << "it fell little by little";
+}
+
 }  // namespace
 }  // namespace evermap

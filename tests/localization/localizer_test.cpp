@@ -15,6 +15,7 @@
 #include "localization/worlds.hpp"
 #include <evermap/localization/detail/localizer.hpp>
 #include <evermap/localization/detail/perturbation.hpp>
+#include <evermap/localization/detail/relocation.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
 #include <evermap/simulation/surface_index.hpp>
 
@@ -281,6 +282,39 @@ TEST(Localizer, FindsItselfWithinFiveMetres) {
   const Outcome outcome = run_loop(20, start, survey(), reading);
   EXPECT_LT(outcome.worst_written, 0.02);
   EXPECT_EQ(outcome.last, TrackingState::kTracking);
+}
+
+// Of a sensor in motion the first scan alone is distorted, and may not be found; odometry tells the motion to
+// the next.
+TEST(Localizer, OdometryMovesTheGuessOfAStart) {
+  Localizer localizer(drive().truth(0), {}, {});
+  const Pose T_moved = exp(twist(0.8, 0, 0, 0.1));
+  EgoMotion ego{Pose{}, {}};
+  Localization found = localizer.propose(survey(), Scan{}, 0, ego);
+  ASSERT_FALSE(found.passes());
+  localizer.conclude(found);
+  ego.T_odom_sensor = T_moved;
+  const Pose expected = drive().truth(0) * T_moved;
+  EXPECT_LT(difference(expected, localizer.predict(kPeriod, ego)).norm(), 1e-9);
+  Scan moving = drive().scan(5);
+  for (std::size_t i = 0; i < moving.p_sensor.size(); ++i)
+    moving.time_offset.push_back(
+        static_cast<float>(kPeriod * static_cast<double>(i) / static_cast<double>(moving.p_sensor.size())));
+  found = localizer.propose(survey(), moving, kPeriod, ego);
+  EXPECT_LT((found.velocity - log(T_moved) / kPeriod).norm(), 1e-6) << "no other speeds are tried";
+}
+
+// Registration comes to rest there only when it begins within some decimetres.
+TEST(Localizer, LooksForPlacesBeside) {
+  const Pose& truth = drive().truth(20);
+  for (const auto& [x, y] : {std::pair{0.5, 0.0}, {-0.3, 0.4}, {0.2, -0.5}}) {
+    Pose off = truth;
+    off.translation += Eigen::Vector3d(x, y, 0);
+    const auto beside = places_beside(survey(), drive().scan(20), {off}, {}, {});
+    EXPECT_TRUE(std::any_of(beside.begin(), beside.end(), [&](const Registration& place) {
+      return place.converged() && difference(truth, place.T_map_sensor).head<3>().norm() < 0.01;
+    }));
+  }
 }
 
 TEST(Localizer, RefusesScansThatAreNotLater) {

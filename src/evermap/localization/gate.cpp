@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include <evermap/localization/detail/gate.hpp>
 #include <evermap/localization/detail/perturbation.hpp>
@@ -51,7 +52,14 @@ bool Gate::is_usual(const Registration& registration) const {
   constexpr double kLeast = 0.95;
   constexpr double kMost = 1.2;
   return explained_.is_known() && registration.explained_fraction() > kLeast * explained_.value() &&
-         registration.residual < kMost * residuals_.value();
+         registration.residual < kMost * residuals_.value() &&
+         registration.score() > last_score_ - least_difference();
+}
+
+double Gate::least_difference() const {
+  constexpr double kLeast = 0.02;
+  constexpr double kSigmas = 3 * 1.4826;
+  return score_changes_.is_known() ? std::max(kLeast, kSigmas * score_changes_.value()) : kLeast;
 }
 
 bool Gate::is_contradicting(double fraction) const {
@@ -83,6 +91,7 @@ RejectReason Gate::judge_distance(const Registration& registration, const Pose& 
 void Gate::remember(const Registration& passed, const Pose& T_map_sensor_predicted, bool is_predicted) {
   residuals_.push(passed.residual);
   explained_.push(passed.explained_fraction());
+  score_changes_.push(std::abs(passed.score() - std::exchange(last_score_, passed.score())));
   if (!is_predicted) return;
   const Twist off = difference(T_map_sensor_predicted, passed.T_map_sensor);
   push(translations_, off.head<3>().norm(), parameters_.memory);

@@ -42,7 +42,11 @@ Localizer::Localizer(const Pose& T_map_sensor_initial, const LidarParameters& li
       T_map_sensor_initial_(T_map_sensor_initial) {}
 
 Pose Localizer::predict(double time, const EgoMotion& ego) const {
-  if (!last_) return T_map_sensor_initial_;
+  if (!last_) {
+    const bool has_moved = first_scan_ && first_scan_->ego.T_odom_sensor && ego.T_odom_sensor;
+    if (!has_moved) return T_map_sensor_initial_;
+    return T_map_sensor_initial_ * (first_scan_->ego.T_odom_sensor->inverse() * *ego.T_odom_sensor);
+  }
   if (ego.T_odom_sensor && last_->ego.T_odom_sensor) {
     return last_->T_map_sensor * (last_->ego.T_odom_sensor->inverse() * *ego.T_odom_sensor);
   }
@@ -70,7 +74,7 @@ void Localizer::learn_bias(const Localization& found) {
 void Localizer::begin(const Pose& T_map_sensor, double time, const EgoMotion& ego,
                       const std::optional<Twist>& velocity) {
   last_ = {T_map_sensor, within(0, 0), velocity.value_or(Twist::Zero()), time, ego};
-  last_time_ = time;
+  last_scan_ = {time, ego};
   velocity_ = velocity;
   is_own_map_ = true;
   // What settling is for, old changes, is not in such a map; odometry on a VLP-16 drifts by 1.4 % without it
@@ -80,6 +84,11 @@ void Localizer::begin(const Pose& T_map_sensor, double time, const EgoMotion& eg
 
 Twist Localizer::velocity_to(const Pose& T_map_sensor, double time) const {
   return log(last_->T_map_sensor.inverse() * T_map_sensor) / (time - last_->time);
+}
+
+std::optional<Twist> Localizer::velocity_by_odometry(double time, const EgoMotion& ego) const {
+  if (!last_scan_ || !last_scan_->ego.T_odom_sensor || !ego.T_odom_sensor) return std::nullopt;
+  return log(last_scan_->ego.T_odom_sensor->inverse() * *ego.T_odom_sensor) / (time - last_scan_->time);
 }
 
 Twist Localizer::velocity_between_middles(const Pose& T_map_sensor, const Twist& velocity,
@@ -123,7 +132,7 @@ bool Localizer::odometry_jumps(double time, const EgoMotion& ego) const {
 
 Localization Localizer::propose(const Octree& map, const Scan& raw, double time, const EgoMotion& ego,
                                 const Contradicting& contradicting, Effort effort) const {
-  if (!last_time_ || time > *last_time_) {
+  if (!last_scan_ || time > last_scan_->time) {
     return locate(map, raw, time, ego, contradicting, effort);
   }
   Localization found;
@@ -151,7 +160,11 @@ Localization Localizer::locate(const Octree& map, const Scan& raw, double time, 
   found.T_map_sensor_predicted =
       predict(time, found.odometry_jumps ? EgoMotion{{}, ego.R_inertial_sensor} : ego);
   found.motion_is_known = last_ && !is_lost() && (velocity_ || has_odometry(found));
-  if (last_) found.velocity = velocity_to(found.T_map_sensor_predicted, time);
+  if (last_) {
+    found.velocity = velocity_to(found.T_map_sensor_predicted, time);
+  } else if (const auto velocity = velocity_by_odometry(time, ego)) {
+    found.velocity = *velocity;
+  }
   found.scan = undistorted(raw, found.velocity);
   found.is_deskewed = has_times(raw);
   const PoseEstimate predicted{found.T_map_sensor_predicted, uncertainty(found, time)};
@@ -163,6 +176,7 @@ Localization Localizer::locate(const Octree& map, const Scan& raw, double time, 
       const bool is_doubtful = gate_.knows_what_is_usual() && !gate_.is_usual(near.registration);
       if (is_doubtful) try_turns(map, raw, predicted.covariance, found, near);
     }
+    if (is_starting()) look_beside(map, predicted.covariance, near);
     take(std::move(near), found);
     found.reject_reason = gate_.judge(found.registration, found.T_map_sensor_predicted, slack(found));
   }
@@ -204,6 +218,7 @@ void Localizer::consider_places(const Octree& map, const Scan& raw, const PoseEs
         undistort_again(map, raw, predicted.covariance, found, place);
     }
   }
+  if (!found.motion_is_known || is_starting()) look_beside(map, predicted.covariance, all[best_of(all)]);
   all = distinct(std::move(all), lidar_.scan_period);
   if (contradicting) {
     for (Hypothesis& place : all) {
@@ -217,7 +232,7 @@ void Localizer::consider_places(const Octree& map, const Scan& raw, const PoseEs
   found.reject_reason = gate_.judge_best(all, best, expected, slack(found));
   // A floor fits anywhere on a floor. In a map that was there before, a place is found by more than that.
   constexpr double kLeastExplained = 0.5;
-  if (found.passes() && !found.motion_is_known && !is_own_map_ &&
+  if (found.passes() && (!found.motion_is_known || is_starting()) && !is_own_map_ &&
       winner.registration.explained_fraction() < kLeastExplained)
     found.reject_reason = RejectReason::kTooFewInliers;
   constexpr double kAsGood = 0.95;
@@ -227,6 +242,15 @@ void Localizer::consider_places(const Octree& map, const Scan& raw, const PoseEs
   const bool was_measured = found.motion_is_known && winner.motion.after != found.velocity;
   take(std::move(winner), found);
   if (was_measured) found.motion = found.velocity;
+}
+
+void Localizer::look_beside(const Octree& map, const Matrix6& covariance, Hypothesis& place) const {
+  const PoseEstimate found{place.registration.T_map_sensor, covariance};
+  for (const Registration& beside : places_beside(map, place.scan, found, lidar_, parameters_.registration)) {
+    // What nothing tells would be as it was displaced here, and not as it was predicted.
+    if (beside.converged() && beside.unobservable == 0 && beside.score() > place.registration.score())
+      place.registration = beside;
+  }
 }
 
 Hypothesis Localizer::moving(const Octree& map, const Scan& raw, const ScanMotion& motion,
@@ -275,14 +299,14 @@ void Localizer::refit(const Octree& map, const Scan& raw, const Matrix6& covaria
 
 void Localizer::try_turns(const Octree& map, const Scan& raw, const Matrix6& covariance,
                           const Localization& found, Hypothesis& place) const {
-  constexpr double kBetter = 0.02;  // by less, a score differs for nothing
   const PoseEstimate begin = begin_of(found, map.grid().edge);
   const MovingPose guess = best_turn(map, raw, begin.T_map_sensor, velocity_.value_or(found.velocity), lidar_,
                                      parameters_.registration);
   Hypothesis turned =
       moving(map, raw, guess.motion, {guess.T_map_sensor, covariance + within(0.1, 3 * kDegree)});
   refit(map, raw, covariance, found, turned);
-  if (turned.registration.converged() && turned.score() > place.score() + kBetter) place = std::move(turned);
+  const double better = place.score() + gate_.least_difference();
+  if (turned.registration.converged() && turned.score() > better) place = std::move(turned);
 }
 
 PoseEstimate Localizer::begin_of(const Localization& found, double edge) const {
@@ -296,7 +320,8 @@ PoseEstimate Localizer::begin_of(const Localization& found, double edge) const {
 }
 
 void Localizer::conclude(Localization& found) {
-  if (found.reject_reason != RejectReason::kTimeNotLater) last_time_ = found.time;
+  if (found.reject_reason != RejectReason::kTimeNotLater) last_scan_ = {found.time, found.ego};
+  if (!first_scan_) first_scan_ = last_scan_;
   if (found.passes()) {
     gate_.remember(found.registration, found.T_map_sensor_predicted, found.motion_is_known);
     if (found.contradicting_fraction) gate_.remember_contradicting(*found.contradicting_fraction);
@@ -372,7 +397,7 @@ std::vector<Hypothesis> Localizer::guess_around(const Octree& map, const Scan& r
   if (last_ && !found.motion_is_known) {
     for (const double steps : {-1, 1, 2}) try_from(kStep * steps, 0, 0);
   }
-  if (!last_ && found.is_deskewed) {
+  if (!last_ && found.is_deskewed && !velocity_by_odometry(found.time, found.ego)) {
     for (const double speed : {-3, 3, 6, 9, 12, 15}) try_from(0, 0, speed);
   }
   return places;

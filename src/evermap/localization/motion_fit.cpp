@@ -33,6 +33,17 @@ Scan some_points(const Scan& scan) {
   return some;
 }
 
+/// The points that were taken no sooner than `from` [s] after the scan's begin.
+Scan taken_from(const Scan& scan, double from) {
+  Scan rest;
+  for (std::size_t i = 0; i < scan.p_sensor.size(); ++i) {
+    if (scan.time_offset[i] < from) continue;
+    rest.p_sensor.push_back(scan.p_sensor[i]);
+    rest.time_offset.push_back(scan.time_offset[i]);
+  }
+  return rest;
+}
+
 /// What each part of a scan, deskewed, says about its pose.
 Parts equations_of_parts(const Octree& map, const Scan& raw, const Scan& deskewed, const Pose& T_map_sensor,
                          const LidarParameters& lidar, const RegistrationParameters& parameters) {
@@ -208,26 +219,36 @@ MovingPose best_turn(const Octree& map, const Scan& raw, const Pose& T_map_begin
   const Eigen::Vector3d up =
       T_map_begin.rotation.transpose() * Eigen::Vector3d::UnitZ();  // in the sensor's frame
   const Scan some = some_points(raw);
-  MovingPose best;
-  double most = -1;
-  const auto consider = [&](const ScanMotion& motion) {
-    const Pose T_map_sensor = end_of(T_map_begin, motion, lidar.scan_period);
-    const auto bundles = bundles_in_sensor_frame(deskew(some, motion, lidar.scan_period), map.grid().edge,
-                                                 lidar, parameters.first_bundles);
-    const NormalEquations there = equations_at(map, bundles, T_map_sensor, {parameters.first_kernel_width});
-    const double fits = 2 * static_cast<double>(there.inliers) - static_cast<double>(there.matched);
-    if (fits <= most * static_cast<double>(bundles.size())) return;
-    most = fits / static_cast<double>(bundles.size());
-    best = {motion, T_map_sensor};
+  const double period = lidar.scan_period;
+  /// Bundles that fit, less those beside their leaves, of what was taken from the bend on.
+  const auto fits = [&](const Scan& rest, const ScanMotion& motion) {
+    const double bundles_of_all = static_cast<double>(parameters.first_bundles);
+    const auto most_bundles = static_cast<std::size_t>((1 - motion.bend) * bundles_of_all);
+    const auto bundles =
+        bundles_in_sensor_frame(deskew(rest, motion, period), map.grid().edge, lidar, most_bundles);
+    const NormalEquations there =
+        equations_at(map, bundles, end_of(T_map_begin, motion, period), {parameters.first_kernel_width});
+    return 2 * static_cast<double>(there.inliers) - static_cast<double>(there.matched);
   };
-  consider(ScanMotion::steady(before));
-  for (const double turn :
-       {-up.dot(before.tail<3>()), -120 * kDegree, -60 * kDegree, 60 * kDegree, 120 * kDegree}) {
-    Twist after = before;
-    after.tail<3>() += turn * up;
-    for (int i = 0; i < kParts; ++i) consider({before, after, static_cast<double>(i) / kParts});
+  ScanMotion best = ScanMotion::steady(before);
+  double most = 0;
+  for (const double bend : {0.0, 0.125, 0.25, 0.375, 0.5, 0.5625, 0.625, 0.6875, 0.75, 0.8125, 0.875}) {
+    const Scan rest = taken_from(some, bend * period);
+    const double usual = fits(rest, {before, before, bend});
+    const auto consider = [&](double turn) {
+      Twist after = before;
+      after.tail<3>() += turn * up;
+      const ScanMotion motion{before, after, bend};
+      const double more = fits(rest, motion) - usual;
+      if (more <= most) return;
+      most = more;
+      best = motion;
+    };
+    consider(-up.dot(before.tail<3>()));
+    for (int i = -5; i <= 5; ++i)
+      if (i != 0) consider(30 * kDegree * i);
   }
-  return best;
+  return {best, end_of(T_map_begin, best, period)};
 }
 
 }  // namespace evermap

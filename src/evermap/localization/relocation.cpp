@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kCoarseEdge = 1.2;  ///< [m] leaves of the view that offsets are scored on, at least
 constexpr std::size_t kCoarseBundles = 300;
-constexpr double kOnePlace = 1.0;  ///< [m] poses nearer than this are one place
 
 struct Try {
   Pose T_map_sensor;
@@ -47,14 +46,14 @@ double score(const Octree& map, const std::vector<Gaussian>& bundles_sensor, con
   return sum;
 }
 
-/// The best tries that are not neighbours of better ones.
-std::vector<Pose> finalists(std::vector<Try> tries, int count) {
+/// The best tries that are farther than `apart` [m] from better ones.
+std::vector<Pose> finalists(std::vector<Try> tries, int count, double apart) {
   std::stable_sort(tries.begin(), tries.end(), [](const Try& a, const Try& b) { return a.score > b.score; });
   std::vector<Pose> best;
   for (const Try& next : tries) {
     if (static_cast<int>(best.size()) == count) break;
     const bool is_new = std::none_of(best.begin(), best.end(), [&](const Pose& better) {
-      return (better.translation - next.T_map_sensor.translation).norm() < 1.5 * kOnePlace;
+      return (better.translation - next.T_map_sensor.translation).norm() < apart;
     });
     if (is_new) best.push_back(next.T_map_sensor);
   }
@@ -74,11 +73,34 @@ std::vector<Registration> places(const Octree& map, const Scan& scan, const Pose
   std::vector<Try> tries = offsets(T_map_sensor_last, parameters);
   for_each_index(tries.size(), 1,
                  [&](std::size_t i) { tries[i].score = score(view, bundles, tries[i].T_map_sensor); });
+  constexpr double kApart = 1.5;  // [m]
   std::vector<Registration> found;
-  for (const Pose& start : finalists(std::move(tries), parameters.finalists)) {
+  for (const Pose& start : finalists(std::move(tries), parameters.finalists, kApart)) {
     found.push_back(register_coarse_to_fine(map, scan, {start}, lidar, registration));
   }
   return found;
+}
+
+std::vector<Registration> places_beside(const Octree& map, const Scan& scan, const PoseEstimate& found,
+                                        const LidarParameters& lidar,
+                                        const RegistrationParameters& registration) {
+  constexpr double kApart = 0.15;  // [m] registration reaches as far
+  constexpr int kFinalists = 5;
+  const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, lidar);
+  const auto few = bundles_in_sensor_frame(scan, map.grid().edge, lidar, registration.first_bundles);
+  std::vector<Try> tries =
+      offsets(found.T_map_sensor, {.reach = 0.6, .turn = 0, .step = 0.1, .turn_step = 1, .finalists = 0});
+  std::erase_if(tries, [&](const Try& at) {
+    return (at.T_map_sensor.translation - found.T_map_sensor.translation).norm() < kApart;
+  });
+  for_each_index(tries.size(), 1, [&](std::size_t i) {
+    tries[i].score = equations_at(map, few, tries[i].T_map_sensor, {registration.last_kernel_width}).fit();
+  });
+  std::vector<Registration> beside;
+  for (const Pose& start : finalists(std::move(tries), kFinalists, kApart)) {
+    beside.push_back(register_bundles(map, bundles, {start, found.covariance}, registration));
+  }
+  return beside;
 }
 
 }  // namespace evermap

@@ -36,7 +36,8 @@ class Gate {
       : parameters_(parameters),
         residuals_(parameters.memory),
         explained_(parameters.memory),
-        contradicting_(parameters.memory) {}
+        contradicting_(parameters.memory),
+        score_changes_(parameters.memory) {}
 
   /// Whether this pose is to be believed (kNone), or why not. `slack` widens the distance to the prediction.
   RejectReason judge(const Registration& registration, const Pose& T_map_sensor_predicted,
@@ -45,9 +46,12 @@ class Gate {
   /// prediction, is then believed if nothing speaks for another place: turns are sharp, and maps outdated.
   RejectReason judge_best(const std::vector<Hypothesis>& places, std::size_t best,
                           const Pose& T_map_sensor_predicted, double slack) const;
-  /// Whether a registration fits about as well as those that passed before; false as long as there are few.
+  /// Whether a registration fits about as well as those that passed before, and as the last of them; false
+  /// as long as there are few.
   bool is_usual(const Registration& registration) const;
   bool knows_what_is_usual() const { return explained_.is_known(); }
+  /// By how much a score must differ to mean anything: three standard deviations from scan to scan.
+  double least_difference() const;
   /// Whether so many contradictions are unusual.
   bool is_contradicting(double fraction) const;
   /// Takes a scan that passed. `is_predicted`: whether its prediction came from known motion.
@@ -65,6 +69,8 @@ class Gate {
   RunningMedian residuals_;
   RunningMedian explained_;      ///< fraction of the bundles
   RunningMedian contradicting_;  ///< fraction of the rays
+  RunningMedian score_changes_;  ///< from scan to scan
+  double last_score_ = 0;        ///< of what passed
 };
 
 }  // namespace evermap

@@ -17,12 +17,8 @@ struct Hypothesis {
   ScanMotion motion = {};             ///< by which it was
   double contradicting_fraction = 0;  ///< of the scan's rays there: they cross what the map believes in
 
-  /// What of the scan fits the map there, less what does not: bundles beside their leaves, rays through
-  /// leaves. Chance alone gives 0 or less.
-  double score() const {
-    const double beside = registration.matched_fraction - registration.explained_fraction();
-    return registration.fit - beside - contradicting_fraction;
-  }
+  /// Registration::score(), less the rays that go through leaves.
+  double score() const { return registration.score() - contradicting_fraction; }
 };
 
 /// One hypothesis for each place: of those that may be one, that which leaves fewer directions open, or else

@@ -102,6 +102,12 @@ class Localizer {
     EgoMotion ego;
   };
 
+  /// When a scan ended, and what was known of the sensor's motion then.
+  struct Moment {
+    double time;  ///< [s]
+    EgoMotion ego;
+  };
+
   Localization locate(const Octree& map, const Scan& raw, double time, const EgoMotion& ego,
                       const Contradicting& contradicting, Effort effort) const;
   /// How much wider the gate is for a prediction over more than one period. REQUIRES: there was a fix.
@@ -115,11 +121,15 @@ class Localizer {
   /// deskewed; velocities from one end to the next would swing up.
   Twist velocity_between_middles(const Pose& T_map_sensor, const Twist& velocity,
                                  const Localization& found) const;
+  /// How the sensor moves [m/s, rad/s] by odometry since the last scan, passed or not.
+  std::optional<Twist> velocity_by_odometry(double time, const EgoMotion& ego) const;
   /// How far odometry leaves constant velocity, for 0.1 s; zero where either is unknown.
   Twist odometry_off_steady(double time, const EgoMotion& ego) const;
   bool odometry_jumps(double time, const EgoMotion& ego) const;
   /// Whether the prediction is the odometry's.
   bool has_odometry(const Localization& found) const;
+  /// Whether no scan was believed yet in a map that was there before.
+  bool is_starting() const { return state_ == TrackingState::kStarting && !is_own_map_; }
   /// Whether some direction is known too badly for the pose to be of use.
   bool is_vague(const Localization& found) const;
   /// How well the prediction is known.
@@ -129,6 +139,8 @@ class Localizer {
   std::vector<Hypothesis> guess_around(const Octree& map, const Scan& raw, const PoseEstimate& predicted,
                                        const Localization& found) const;
   std::vector<Hypothesis> search(const Octree& map, const Localization& found) const;
+  /// Moves a place to where, within half a metre, the scan fits better.
+  void look_beside(const Octree& map, const Matrix6& covariance, Hypothesis& place) const;
   /// Chooses among several places.
   void consider_places(const Octree& map, const Scan& raw, const PoseEstimate& predicted,
                        const Contradicting& contradicting, Localization& found) const;
@@ -164,7 +176,7 @@ class Localizer {
   std::optional<Twist> velocity_;  ///< [m/s, rad/s] in the sensor's frame, once two fixes tell it
   Eigen::Vector3d gyroscope_bias_ = Eigen::Vector3d::Zero();  ///< [rad/s] in the sensor's frame
   double biases_ = 0;                                         ///< [scans] it was learnt from
-  std::optional<double> last_time_;                           ///< [s] of the last scan, passed or not
+  std::optional<Moment> first_scan_, last_scan_;              ///< passed or not
   int failed_ = 0;                                            ///< scans since the last fix
   int unobservable_ = 0;  ///< fixes since the last whose directions were all observable
   double tied_ = 0;  ///< explained by the best of places that tied since the last scan that passed: a place

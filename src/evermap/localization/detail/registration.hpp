@@ -61,6 +61,8 @@ struct Registration {
   bool converged() const { return reject_reason == RejectReason::kNone; }
   /// Of all bundles.
   double explained_fraction() const { return matched_fraction * inlier_fraction; }
+  /// How well the scan fits the map there, less what lies beside its leaves. Chance alone gives 0 or less.
+  double score() const { return fit - (matched_fraction - explained_fraction()); }
 };
 
 /// The bundles of a scan in its own frame, for registration; iterating then only transforms them. However
