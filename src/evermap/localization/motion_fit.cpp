@@ -72,8 +72,9 @@ NormalEquations as_far_as_believed(const NormalEquations& part, double unit, dou
   return believed;
 }
 
-/// How far the sensor was from where it is assumed to have been, in twists of perturb(): at the scan's begin
-/// by `offset`, at its end by `drift` more, and from the bend on by as much as `turn` in a whole scan.
+/// How far the sensor was from where it would have been at the assumed first velocity, in twists of
+/// perturb(): at the scan's begin by `offset`, at its end by `drift` more, and from the bend on by as much as
+/// `turn` in a whole scan.
 struct Deviation {
   Twist at(double fraction) const {
     return offset + fraction * drift + std::max(0.0, fraction - bend) * turn;
@@ -84,12 +85,19 @@ struct Deviation {
   double cost = 0;  ///< twice the negative logarithm of its likelihood, but for a constant
 };
 
-/// The likeliest deviation with this bend, from the pose at which the parts' equations were found.
-Deviation fit(const Parts& parts, double bend, const Pose& T_map_sensor, const Twist& begin,
+/// The assumed motion, with which the parts' equations were found, as a deviation.
+struct Assumed {
+  Pose T_map_sensor;
+  std::array<Twist, kParts> of_part;
+  Twist end;
+};
+
+/// The likeliest deviation with this bend.
+Deviation fit(const Parts& parts, double bend, const Assumed& assumed, const Twist& begin,
               const MotionPrior& prior) {
   using Vector18 = Eigen::Matrix<double, 18, 1>;
   using Matrix18 = Eigen::Matrix<double, 18, 18>;
-  const Matrix6 of_turn = within(0.15, 8 * kDegree);  // in 0.1 s, vehicles do not do more
+  const Matrix6 of_turn = within(0.15, 12 * kDegree);  // in 0.1 s, vehicles do not do more
   Matrix18 information = Matrix18::Zero();
   information.block<6, 6>(0, 0) = prior.begin.covariance.inverse();
   information.block<6, 6>(6, 6) = prior.drift.inverse();
@@ -108,11 +116,12 @@ Deviation fit(const Parts& parts, double bend, const Pose& T_map_sensor, const T
     const double left = 1.0 / kParts - from;
     const double since_bend = std::max(0.0, static_cast<double>(part) / kParts - bend);
     add((part + 0.5) / kParts, since_bend + left * left * kParts / 2, parts[part].hessian,
-        -parts[part].gradient);
+        parts[part].hessian * assumed.of_part[part] - parts[part].gradient);
   }
   if (prior.end) {
     const Matrix6 of_end = prior.end->covariance.inverse();
-    add(1, 1 - bend, of_end, of_end * difference(T_map_sensor, prior.end->T_map_sensor));
+    add(1, 1 - bend, of_end,
+        of_end * (difference(assumed.T_map_sensor, prior.end->T_map_sensor) + assumed.end));
   }
   const Vector18 x = information.ldlt().solve(pull);
   return {x.head<6>(), x.segment<6>(6), x.tail<6>(), bend, -x.dot(pull)};
@@ -140,13 +149,16 @@ class MotionFit {
       part = as_far_as_believed(part, all.mean_inlier_error(), map.grid().edge);
     const Pose T_map_sensor_expected = end_of(prior.begin.T_map_sensor, assumed.motion, period_);
     const Twist begin = difference(assumed.T_map_sensor, T_map_sensor_expected);
-    steady_ = fit(parts, 1, assumed.T_map_sensor, begin, prior);
+    Assumed deviation{assumed.T_map_sensor, {}, assumed_at(1)};
+    for (int part = 0; part < kParts; ++part) deviation.of_part[part] = mean_assumed_in(part);
+    steady_ = fit(parts, 1, deviation, begin, prior);
     bent_ = steady_;
     const auto try_bend = [&](double bend) {
-      const Deviation next = fit(parts, bend, assumed.T_map_sensor, begin, prior);
+      const Deviation next = fit(parts, bend, deviation, begin, prior);
       if (next.cost < bent_.cost) bent_ = next;
     };
     for (int i = 1; i < kParts; ++i) try_bend(static_cast<double>(i) / kParts);
+    if (assumed.motion.bend > 0) try_bend(assumed.motion.bend);
     if (bent_.bend == 1) return;
     for (const double finer : {0.5 / kParts, 0.25 / kParts, 0.125 / kParts}) {
       const double around = bent_.bend;
@@ -156,31 +168,50 @@ class MotionFit {
 
   /// At the one velocity, or the two, that explain the scan better; none where that is about the same.
   std::optional<MovingPose> steady() const {
+    if (assumed_.motion.bend > 0) return std::nullopt;  // else a bend hardly turns
     if (!matters(steady_.at(1)) && !matters(steady_.drift / 4)) return std::nullopt;
     return moved_by(steady_);
   }
   std::optional<MovingPose> bent() const {
     constexpr double kLeastGain = 15;  // of cost: what explains less is noise
     const bool gains = assumed_.motion.bend > 0 || bent_.cost < steady_.cost - kLeastGain;
-    if (!gains || (!matters(bent_.at(1)) && !matters(bent_.at(bent_.bend)))) return std::nullopt;
+    if (!gains || (!matters(change(bent_, 1)) && !matters(change(bent_, bent_.bend)))) return std::nullopt;
     return moved_by(bent_);
   }
 
  private:
+  /// The assumed motion as a deviation from its first velocity.
+  Twist assumed_at(double fraction) const {
+    const ScanMotion& motion = assumed_.motion;
+    if (motion.bend == 0 || fraction <= motion.bend) return Twist::Zero();
+    const Pose T_map_bend = assumed_.T_map_sensor * motion.pose_at(motion.bend, period_);
+    const Pose T_map_then = T_map_bend * exp((fraction - motion.bend) * period_ * motion.before);
+    return -difference(assumed_.T_map_sensor, T_map_then * motion.pose_at(fraction, period_).inverse());
+  }
+  Twist mean_assumed_in(int part) const {
+    constexpr int kSteps = 4;
+    Twist sum = Twist::Zero();
+    for (int i = 0; i < kSteps; ++i) sum += assumed_at((part + (i + 0.5) / kSteps) / kParts);
+    return sum / kSteps;
+  }
+  /// What a deviation changes of the assumed motion.
+  Twist change(const Deviation& deviation, double fraction) const {
+    return deviation.at(fraction) - assumed_at(fraction);
+  }
   bool matters(const Twist& twist) const {
     return twist.head<3>().norm() > least_shift_ || twist.tail<3>().norm() > least_turn_;
   }
 
   MovingPose moved_by(const Deviation& deviation) const {
     const auto T_map_then = [&](double fraction) {
-      return perturb(assumed_.T_map_sensor, deviation.at(fraction)) *
+      return perturb(assumed_.T_map_sensor, change(deviation, fraction)) *
              assumed_.motion.pose_at(fraction, period_);
     };
     const auto velocity = [&](double from, double to) {
       return Twist(log(T_map_then(from).inverse() * T_map_then(to)) / ((to - from) * period_));
     };
-    const double bend = deviation.bend == 1 ? assumed_.motion.bend : deviation.bend;
-    if (bend == 0) return {ScanMotion::steady(velocity(0, 1)), T_map_then(1)};
+    const double bend = deviation.bend;
+    if (bend == 1) return {ScanMotion::steady(velocity(0, 1)), T_map_then(1)};
     return {{velocity(0, bend), velocity(bend, 1), bend}, T_map_then(1)};
   }
 
