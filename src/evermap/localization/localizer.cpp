@@ -218,7 +218,8 @@ void Localizer::consider_places(const Octree& map, const Scan& raw, const PoseEs
         undistort_again(map, raw, predicted.covariance, found, place);
     }
   }
-  if (!found.motion_is_known || is_starting()) look_beside(map, predicted.covariance, all[best_of(all)]);
+  const bool is_start = !found.motion_is_known || is_starting();
+  if (is_start) look_beside(map, predicted.covariance, all[best_of(all)]);
   all = distinct(std::move(all), lidar_.scan_period);
   if (contradicting) {
     for (Hypothesis& place : all) {
@@ -231,9 +232,8 @@ void Localizer::consider_places(const Octree& map, const Scan& raw, const PoseEs
   const Pose& expected = is_lost() ? winner.registration.T_map_sensor : found.T_map_sensor_predicted;
   found.reject_reason = gate_.judge_best(all, best, expected, slack(found));
   // A floor fits anywhere on a floor. In a map that was there before, a place is found by more than that.
-  constexpr double kLeastExplained = 0.5;
-  if (found.passes() && (!found.motion_is_known || is_starting()) && !is_own_map_ &&
-      winner.registration.explained_fraction() < kLeastExplained)
+  constexpr double kLeastScore = 0.3;
+  if (found.passes() && is_start && !is_own_map_ && winner.score() < kLeastScore)
     found.reject_reason = RejectReason::kTooFewInliers;
   constexpr double kAsGood = 0.95;
   if (found.passes() && winner.registration.explained_fraction() < kAsGood * tied_)
