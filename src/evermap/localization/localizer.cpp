@@ -231,9 +231,10 @@ void Localizer::consider_places(const Octree& map, const Scan& raw, const PoseEs
   // A search has its own reach.
   const Pose& expected = is_lost() ? winner.registration.T_map_sensor : found.T_map_sensor_predicted;
   found.reject_reason = gate_.judge_best(all, best, expected, slack(found));
-  // A floor fits anywhere on a floor. In a map that was there before, a place is found by more than that.
-  constexpr double kLeastScore = 0.3;
-  if (found.passes() && is_start && !is_own_map_ && winner.score() < kLeastScore)
+  // A floor fits anywhere on a floor. In a map that was there before, a place is found by more than that; not
+  // by its rays, which contradict an outdated map, too.
+  constexpr double kLeastScore = 0.35;
+  if (found.passes() && is_start && !is_own_map_ && winner.registration.score() < kLeastScore)
     found.reject_reason = RejectReason::kTooFewInliers;
   constexpr double kAsGood = 0.95;
   if (found.passes() && winner.registration.explained_fraction() < kAsGood * tied_)
