@@ -251,7 +251,7 @@ MovingPose best_turn(const Octree& map, const Scan& raw, const Pose& T_map_begin
       T_map_begin.rotation.transpose() * Eigen::Vector3d::UnitZ();  // in the sensor's frame
   const Scan some = some_points(raw);
   const double period = lidar.scan_period;
-  /// Bundles that fit, less those beside their leaves, of what was taken from the bend on.
+  // Bundles that fit, less those beside their leaves, of what was taken from the bend on.
   const auto fits = [&](const Scan& rest, const ScanMotion& motion) {
     const double bundles_of_all = static_cast<double>(parameters.first_bundles);
     const auto most_bundles = static_cast<std::size_t>((1 - motion.bend) * bundles_of_all);
