@@ -10,6 +10,7 @@
 #include <unistd.h>
 #include <utility>
 
+#include <evermap/files/detail/descriptor.hpp>
 #include <evermap/files/detail/gzip.hpp>
 #include <evermap/files/detail/input_file.hpp>
 
@@ -54,10 +55,8 @@ InputStream::~InputStream() { ::close(descriptor_); }
 
 /// Opens first and looks then, so that what is looked at is what will be read.
 void InputStream::open() {
-  do {
-    // Without waiting for a pipe's other end, since a pipe is refused anyway.
-    descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  } while (descriptor_ < 0 && errno == EINTR);
+  // Without waiting for a pipe's other end, since a pipe is refused anyway.
+  descriptor_ = open_descriptor(path_, O_RDONLY | O_NONBLOCK);
   if (descriptor_ < 0 && errno == ENXIO)
     fail(path_, "is no regular file; copy its content to one");  // a socket
   if (descriptor_ < 0) fail(path_, "cannot be read: " + reason(errno) + "; check the path");

@@ -8,9 +8,9 @@
 #include <unistd.h>
 #include <utility>
 
+#include <evermap/files/detail/descriptor.hpp>
 #include <evermap/files/file_error.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
-#include <evermap/io/detail/descriptor.hpp>
 
 namespace evermap {
 namespace {

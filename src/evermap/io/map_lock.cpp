@@ -11,9 +11,9 @@
 #include <thread>
 #include <unistd.h>
 
+#include <evermap/files/detail/descriptor.hpp>
 #include <evermap/files/file_error.hpp>
 #include <evermap/io/detail/atomic_file.hpp>
-#include <evermap/io/detail/descriptor.hpp>
 #include <evermap/io/detail/map_lock.hpp>
 
 namespace evermap {

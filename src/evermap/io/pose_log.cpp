@@ -8,8 +8,8 @@
 #include <unistd.h>
 #include <utility>
 
+#include <evermap/files/detail/descriptor.hpp>
 #include <evermap/files/file_error.hpp>
-#include <evermap/io/detail/descriptor.hpp>
 #include <evermap/io/detail/pose_log.hpp>
 
 namespace evermap {

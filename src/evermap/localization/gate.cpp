@@ -58,8 +58,9 @@ bool Gate::is_usual(const Registration& registration) const {
 
 double Gate::least_difference() const {
   constexpr double kLeast = 0.02;
-  constexpr double kSigmas = 3 * 1.4826;
-  return score_changes_.is_known() ? std::max(kLeast, kSigmas * score_changes_.value()) : kLeast;
+  constexpr double kSigmas = 3;
+  if (!score_changes_.is_known()) return kLeast;
+  return std::max(kLeast, kSigmas * kMedianToSigma * score_changes_.value());
 }
 
 bool Gate::is_contradicting(double fraction) const {

@@ -42,14 +42,8 @@ Localizer::Localizer(const Pose& T_map_sensor_initial, const LidarParameters& li
       T_map_sensor_initial_(T_map_sensor_initial) {}
 
 Pose Localizer::predict(double time, const EgoMotion& ego) const {
-  if (!last_) {
-    const bool has_moved = first_scan_ && first_scan_->ego.T_odom_sensor && ego.T_odom_sensor;
-    if (!has_moved) return T_map_sensor_initial_;
-    return T_map_sensor_initial_ * (first_scan_->ego.T_odom_sensor->inverse() * *ego.T_odom_sensor);
-  }
-  if (ego.T_odom_sensor && last_->ego.T_odom_sensor) {
-    return last_->T_map_sensor * (last_->ego.T_odom_sensor->inverse() * *ego.T_odom_sensor);
-  }
+  if (!last_) return T_map_sensor_initial_ * moved_by_odometry(first_ego_, ego).value_or(Pose{});
+  if (const auto moved = moved_by_odometry(last_->ego, ego)) return last_->T_map_sensor * *moved;
   Twist moved = Twist::Zero();
   if (!is_lost()) moved = velocity_.value_or(last_->velocity) * (time - last_->time);
   if (const auto turn = turn_by_gyroscope(ego))
@@ -87,8 +81,9 @@ Twist Localizer::velocity_to(const Pose& T_map_sensor, double time) const {
 }
 
 std::optional<Twist> Localizer::velocity_by_odometry(double time, const EgoMotion& ego) const {
-  if (!last_scan_ || !last_scan_->ego.T_odom_sensor || !ego.T_odom_sensor) return std::nullopt;
-  return log(last_scan_->ego.T_odom_sensor->inverse() * *ego.T_odom_sensor) / (time - last_scan_->time);
+  const auto moved = last_scan_ ? moved_by_odometry(last_scan_->ego, ego) : std::nullopt;
+  if (!moved) return std::nullopt;
+  return log(*moved) / (time - last_scan_->time);
 }
 
 Twist Localizer::velocity_between_middles(const Pose& T_map_sensor, const Twist& velocity,
@@ -109,7 +104,7 @@ double Localizer::slack(double time) const {
 }
 
 bool Localizer::has_odometry(const Localization& found) const {
-  return last_ && found.ego.T_odom_sensor && last_->ego.T_odom_sensor && !found.odometry_jumps;
+  return last_ && moved_by_odometry(last_->ego, found.ego) && !found.odometry_jumps;
 }
 
 double Localizer::slack(const Localization& found) const {
@@ -118,10 +113,10 @@ double Localizer::slack(const Localization& found) const {
 }
 
 Twist Localizer::odometry_off_steady(double time, const EgoMotion& ego) const {
-  if (!velocity_ || !last_->ego.T_odom_sensor || !ego.T_odom_sensor) return Twist::Zero();
-  const Pose moved = last_->ego.T_odom_sensor->inverse() * *ego.T_odom_sensor;
+  const auto moved = velocity_ ? moved_by_odometry(last_->ego, ego) : std::nullopt;
+  if (!moved) return Twist::Zero();
   const Pose steady = exp(*velocity_ * (time - last_->time));
-  return difference(steady, moved) / slack(time);
+  return difference(steady, *moved) / slack(time);
 }
 
 bool Localizer::odometry_jumps(double time, const EgoMotion& ego) const {
@@ -321,8 +316,8 @@ PoseEstimate Localizer::begin_of(const Localization& found, double edge) const {
 }
 
 void Localizer::conclude(Localization& found) {
+  if (!last_scan_) first_ego_ = found.ego;
   if (found.reject_reason != RejectReason::kTimeNotLater) last_scan_ = {found.time, found.ego};
-  if (!first_scan_) first_scan_ = last_scan_;
   if (found.passes()) {
     gate_.remember(found.registration, found.T_map_sensor_predicted, found.motion_is_known);
     if (found.contradicting_fraction) gate_.remember_contradicting(*found.contradicting_fraction);

@@ -85,15 +85,9 @@ struct Deviation {
   double cost = 0;  ///< twice the negative logarithm of its likelihood, but for a constant
 };
 
-/// The assumed motion, with which the parts' equations were found, as a deviation.
-struct Assumed {
-  Pose T_map_sensor;
-  std::array<Twist, kParts> of_part;
-  Twist end;
-};
-
-/// The likeliest deviation with this bend.
-Deviation fit(const Parts& parts, double bend, const Assumed& assumed, const Twist& begin,
+/// The likeliest deviation with this bend. `begin`, `end`: where the scan before and odometry say that the
+/// scan began and ended, as deviations, too.
+Deviation fit(const Parts& parts, double bend, const Twist& begin, const Twist& end,
               const MotionPrior& prior) {
   using Vector18 = Eigen::Matrix<double, 18, 1>;
   using Matrix18 = Eigen::Matrix<double, 18, 18>;
@@ -116,12 +110,11 @@ Deviation fit(const Parts& parts, double bend, const Assumed& assumed, const Twi
     const double left = 1.0 / kParts - from;
     const double since_bend = std::max(0.0, static_cast<double>(part) / kParts - bend);
     add((part + 0.5) / kParts, since_bend + left * left * kParts / 2, parts[part].hessian,
-        parts[part].hessian * assumed.of_part[part] - parts[part].gradient);
+        -parts[part].gradient);
   }
   if (prior.end) {
     const Matrix6 of_end = prior.end->covariance.inverse();
-    add(1, 1 - bend, of_end,
-        of_end * (difference(assumed.T_map_sensor, prior.end->T_map_sensor) + assumed.end));
+    add(1, 1 - bend, of_end, of_end * end);
   }
   const Vector18 x = information.ldlt().solve(pull);
   return {x.head<6>(), x.segment<6>(6), x.tail<6>(), bend, -x.dot(pull)};
@@ -145,16 +138,18 @@ class MotionFit {
     NormalEquations all;
     for (const NormalEquations& part : parts) all += part;
     if (all.inliers == 0) return;
-    for (NormalEquations& part : parts)
-      part = as_far_as_believed(part, all.mean_inlier_error(), map.grid().edge);
+    for (int i = 0; i < kParts; ++i) {
+      parts[i] = as_far_as_believed(parts[i], all.mean_inlier_error(), map.grid().edge);
+      parts[i].gradient -= parts[i].hessian * mean_assumed_in(i);  // deviations are from the first velocity
+    }
     const Pose T_map_sensor_expected = end_of(prior.begin.T_map_sensor, assumed.motion, period_);
     const Twist begin = difference(assumed.T_map_sensor, T_map_sensor_expected);
-    Assumed deviation{assumed.T_map_sensor, {}, assumed_at(1)};
-    for (int part = 0; part < kParts; ++part) deviation.of_part[part] = mean_assumed_in(part);
-    steady_ = fit(parts, 1, deviation, begin, prior);
+    Twist end = assumed_at(1);
+    if (prior.end) end += difference(assumed.T_map_sensor, prior.end->T_map_sensor);
+    steady_ = fit(parts, 1, begin, end, prior);
     bent_ = steady_;
     const auto try_bend = [&](double bend) {
-      const Deviation next = fit(parts, bend, deviation, begin, prior);
+      const Deviation next = fit(parts, bend, begin, end, prior);
       if (next.cost < bent_.cost) bent_ = next;
     };
     for (int i = 1; i < kParts; ++i) try_bend(static_cast<double>(i) / kParts);

@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include <evermap/geometry/detail/for_each_index.hpp>
+#include <evermap/geometry/detail/running_median.hpp>
 #include <evermap/localization/detail/coarse_map.hpp>
 #include <evermap/localization/detail/correspondence.hpp>
 #include <evermap/localization/detail/factor.hpp>
@@ -115,7 +116,6 @@ bool search(Registration& at, const Octree& map, const std::vector<Gaussian>& bu
 void settle(Registration& at, const Matches& matches, const std::vector<Gaussian>& bundles_sensor,
             const Directions& directions, const RegistrationParameters& parameters) {
   constexpr int kSteps = 2;
-  constexpr double kMedianToSigma = 1.4826;  // of a normal distribution
   constexpr double kLeast = 0.001;           // [m] where the map was made of the same scan
   std::vector<double> offs(matches.size());  // [m]
   std::vector<double> distances;

@@ -85,11 +85,10 @@ std::vector<Registration> places_beside(const Octree& map, const Scan& scan, con
                                         const LidarParameters& lidar,
                                         const RegistrationParameters& registration) {
   constexpr double kApart = 0.15;  // [m] registration reaches as far
-  constexpr int kFinalists = 5;
+  const RelocationParameters around{.reach = 0.6, .turn = 0, .step = 0.1, .turn_step = 1, .finalists = 5};
   const auto bundles = bundles_in_sensor_frame(scan, map.grid().edge, lidar);
   const auto few = bundles_in_sensor_frame(scan, map.grid().edge, lidar, registration.first_bundles);
-  std::vector<Try> tries =
-      offsets(found.T_map_sensor, {.reach = 0.6, .turn = 0, .step = 0.1, .turn_step = 1, .finalists = 0});
+  std::vector<Try> tries = offsets(found.T_map_sensor, around);
   std::erase_if(tries, [&](const Try& at) {
     return (at.T_map_sensor.translation - found.T_map_sensor.translation).norm() < kApart;
   });
@@ -97,7 +96,7 @@ std::vector<Registration> places_beside(const Octree& map, const Scan& scan, con
     tries[i].score = equations_at(map, few, tries[i].T_map_sensor, {registration.last_kernel_width}).fit();
   });
   std::vector<Registration> beside;
-  for (const Pose& start : finalists(std::move(tries), kFinalists, kApart)) {
+  for (const Pose& start : finalists(std::move(tries), around.finalists, kApart)) {
     beside.push_back(register_bundles(map, bundles, {start, found.covariance}, registration));
   }
   return beside;

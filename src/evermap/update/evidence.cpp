@@ -11,6 +11,7 @@
 
 #include <evermap/geometry/detail/for_each_index.hpp>
 #include <evermap/geometry/detail/neighbourhood.hpp>
+#include <evermap/geometry/detail/running_median.hpp>
 #include <evermap/update/detail/encounter.hpp>
 #include <evermap/update/detail/evidence.hpp>
 #include <evermap/update/detail/impact.hpp>
@@ -166,7 +167,6 @@ struct Offset {
 
 /// The median range, and the robust standard deviation of the distances.
 Offset spread(std::span<const Offset> offsets) {
-  constexpr double kMedianToSigma = 1.4826;  // of a normal distribution
   std::vector<double> values;
   values.reserve(offsets.size());
   const auto median = [&](double Offset::*member) {

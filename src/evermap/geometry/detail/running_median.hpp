@@ -9,6 +9,9 @@
 
 namespace evermap {
 
+/// The standard deviation of a normal distribution over the median of how far its values are off.
+inline constexpr double kMedianToSigma = 1.4826;
+
 /// What is usual: the median of the last values.
 class RunningMedian {
  public:

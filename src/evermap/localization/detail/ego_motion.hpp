@@ -16,4 +16,10 @@ struct EgoMotion {
   std::optional<Eigen::Matrix3d> R_inertial_sensor;  ///< of a gyroscope
 };
 
+/// How the sensor moved from one moment to another by odometry; none where it does not tell both.
+inline std::optional<Pose> moved_by_odometry(const EgoMotion& from, const EgoMotion& to) {
+  if (!from.T_odom_sensor || !to.T_odom_sensor) return std::nullopt;
+  return from.T_odom_sensor->inverse() * *to.T_odom_sensor;
+}
+
 }  // namespace evermap

@@ -176,7 +176,8 @@ class Localizer {
   std::optional<Twist> velocity_;  ///< [m/s, rad/s] in the sensor's frame, once two fixes tell it
   Eigen::Vector3d gyroscope_bias_ = Eigen::Vector3d::Zero();  ///< [rad/s] in the sensor's frame
   double biases_ = 0;                                         ///< [scans] it was learnt from
-  std::optional<Moment> first_scan_, last_scan_;              ///< passed or not
+  EgoMotion first_ego_;                                       ///< of the first scan, passed or not
+  std::optional<Moment> last_scan_;                           ///< passed or not
   int failed_ = 0;                                            ///< scans since the last fix
   int unobservable_ = 0;  ///< fixes since the last whose directions were all observable
   double tied_ = 0;  ///< explained by the best of places that tied since the last scan that passed: a place

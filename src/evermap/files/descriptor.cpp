@@ -5,7 +5,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <evermap/io/detail/descriptor.hpp>
+#include <evermap/files/detail/descriptor.hpp>
 
 namespace evermap {
 
