@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the evermap authors
 // SPDX-License-Identifier: BSD-3-Clause
-// How long a scan takes in evermap and in other maps: the same scans of the same quarry, one thread, CPU
-// time, in turns, from the map of the survey and from empty maps.
+// How long a scan takes in evermap and in other maps: the same scans of the quarry, or of a real drive, one
+// thread, CPU time, in turns, from the map of the survey and from empty maps.
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -13,6 +14,7 @@
 
 #include "drive.hpp"
 #include "experiments/machine.hpp"
+#include "experiments/outdated_drive.hpp"
 #include "experiments/result_file.hpp"
 #include "experiments/timed_turns.hpp"
 
@@ -23,7 +25,15 @@ struct Options {
   std::vector<double> leaves{1.0, 0.8, 0.6, 0.4, 0.2, 0.1};  ///< [m]
   std::vector<std::string> against{"OctoMap", "OctoMap, voxel means"};
   std::size_t scans = 0;  ///< 0: as many as `default_scans`
+  std::string data;       ///< a folder such as kitti_0005_drive; empty: the scenario quarry
   std::string json;
+};
+
+/// What is driven through, and the survey [m] that a map of leaves of `edge` [m] begins with.
+struct Place {
+  std::string description;
+  Drive drive;
+  std::function<Points(double edge)> survey;
 };
 
 struct Times {
@@ -61,6 +71,23 @@ Mappers mappers_of(const std::vector<std::string>& against, double leaf, const P
   return mappers;
 }
 
+Place quarry(std::size_t scans) {
+  const auto quarry = std::make_shared<ScenarioDrive>(shipped_scenario("quarry"));
+  return {"scenario quarry, 64 x 1024 beams, some 42,000 returns a scan, 200 m range",
+          drive_through_quarry(scans),
+          [quarry](double edge) { return quarry->survey(std::max(0.1, edge / 4)); }};
+}
+
+Place real_drive(const std::string& folder, std::size_t scans) {
+  const OutdatedDrive drive(folder, scans);
+  Place place{folder, {}, [survey = drive.survey()](double /*edge*/) { return survey; }};
+  for (const AlignedScan& aligned : drive.scans()) {
+    place.drive.scans.push_back(aligned.scan);
+    place.drive.T_map_sensor.push_back(aligned.T_map_sensor);
+  }
+  return place;
+}
+
 std::vector<Result> time_mappers(const Mappers& mappers, const Drive& drive, std::size_t scans) {
   const auto seconds = time_in_turns(mappers, scans, [&](std::size_t scan) {
     return AlignedScan{drive.scans[scan], drive.T_map_sensor[scan]};
@@ -72,7 +99,7 @@ std::vector<Result> time_mappers(const Mappers& mappers, const Drive& drive, std
   return results;
 }
 
-Json describe() {
+Json describe(const Place& place) {
   return {{"cpu", processor()},
           {"compiler", compiler()},
           {"flags", EVERMAP_FLAGS},
@@ -80,7 +107,7 @@ Json describe() {
           {"octomap", make_mapper("OctoMap", 1)->version()},
           {"threads", 1},
           {"clock", "CPU time of the process"},
-          {"data", "scenario quarry, 64 x 1024 beams, some 42,000 returns a scan, 200 m range"}};
+          {"data", place.description}};
 }
 
 void print(double leaf, const char* start, std::size_t scans, const std::vector<Result>& results) {
@@ -108,21 +135,21 @@ Json to_json(double leaf, const char* start, std::size_t scans, const std::vecto
 }
 
 void run_all(const Options& options) {
-  Json report = describe();
+  const std::size_t most = std::max(options.scans, kMostScans);
+  const Place place = options.data.empty() ? quarry(most) : real_drive(options.data, most);
+  Json report = describe(place);
   for (const auto& [key, value] : report.items()) fmt::print("{:9} {}\n", key, value.dump());
   constexpr const char* kHead = "{:>4} {:6} {:>6} {:20} {:>9} {:>9} {:>9} {:>10} {:>10} {:>10}\n";
   fmt::print("\n");
   fmt::print(kHead, "leaf", "from", "scans", "", "median", "10 %", "90 %", "faster by", "map", "smaller by");
   fmt::print(kHead, "[m]", "", "", "", "[ms]", "[ms]", "[ms]", "", "[MB]", "");
-  const Drive drive = drive_through_quarry(std::max(options.scans, kMostScans));
-  const ScenarioDrive quarry(shipped_scenario("quarry"));
   for (const double leaf : options.leaves) {
     const std::size_t scans = options.scans > 0 ? options.scans : default_scans(leaf);
     for (const bool has_survey : {true, false}) {
       const char* start = has_survey ? "survey" : "empty";
-      const Points survey = has_survey ? quarry.survey(std::max(0.1, leaf / 4)) : Points{};
+      const Points survey = has_survey ? place.survey(leaf) : Points{};
       const std::vector<Result> results =
-          time_mappers(mappers_of(options.against, leaf, survey), drive, scans);
+          time_mappers(mappers_of(options.against, leaf, survey), place.drive, scans);
       print(leaf, start, scans, results);
       report["leaves"].push_back(to_json(leaf, start, scans, results));
     }
@@ -143,6 +170,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--scans", options.scans, "Scans of the drive; the first third is not counted")
       ->check(CLI::Range(3, 1000));
+  app.add_option("--data", options.data, "A real drive with labelled boxes instead of the quarry")
+      ->type_name("DIR")
+      ->check(CLI::ExistingDirectory);
   app.add_option("--json", options.json, "Also write the figures to this file");
   CLI11_PARSE(app, argc, argv);
 

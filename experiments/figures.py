@@ -16,6 +16,7 @@ STYLES = {
     "OctoMap": ("#D55E00", "-", "o"),
     "OctoMap, voxel means": ("#E69F00", "--", "v"),
     "UFOMap": ("#CC79A7", "-.", "s"),
+    "Bonxai": ("#009E73", ":", "P"),
     "evermap paper": ("#56B4E9", "--", "^"),
     "evermap default": ("#0072B2", "-", "D"),
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include <evermap/evaluation/bonxai_baseline.hpp>
 #include <evermap/evaluation/evermap_mapper.hpp>
 #include <evermap/evaluation/mapper.hpp>
 #include <evermap/evaluation/octomap_baseline.hpp>
@@ -89,6 +90,15 @@ std::unique_ptr<Mapper> make_ufomap([[maybe_unused]] const std::string& name, [[
 #endif
 }
 
+std::unique_ptr<Mapper> make_bonxai([[maybe_unused]] const std::string& name, [[maybe_unused]] double edge,
+                                    [[maybe_unused]] const LidarParameters& lidar) {
+#ifdef EVERMAP_HAS_BONXAI
+  return std::make_unique<GridMapper<BonxaiBaseline>>(name, edge, all_points(lidar));
+#else
+  return nullptr;
+#endif
+}
+
 std::unique_ptr<Mapper> make_paper(const std::string& name, double edge, const LidarParameters& lidar) {
   return make_evermap(name, edge, lidar, UpdateParameters::paper(), MapMode::kMaintenance);
 }
@@ -103,6 +113,7 @@ const std::vector<std::pair<std::string, Maker>>& makers() {
       {"OctoMap", make_octomap},
       {"OctoMap, voxel means", make_octomap_of_means},
       {"UFOMap", make_ufomap},
+      {"Bonxai", make_bonxai},
       {"evermap paper", make_paper},
       {"evermap default", make_default},
   };

@@ -80,6 +80,7 @@ class Mapper {
 /// - "OctoMap": an OctoMapBaseline that is fed all points.
 /// - "OctoMap, voxel means": an OctoMapBaseline that is fed one point per voxel and scan, the points' mean.
 /// - "UFOMap": an UfoMapBaseline that is fed all points.
+/// - "Bonxai": a BonxaiBaseline that is fed all points.
 /// - "evermap paper": UpdateParameters::paper().
 /// - "evermap default": UpdateParameters{}.
 const std::vector<std::string>& mapper_names();
