@@ -18,6 +18,7 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+SCANS = 4  # a start of two or three, a journal that grows, and a map that is saved; every call of theirs is tried
 ERRORS = ["ENOSPC", "EIO", "EDQUOT", "EINTR", "EMFILE", "short", "ENOSPC+", "EIO+"]
 HARMLESS = {"EINTR", "short"}  # what a correct program goes on from
 
@@ -48,9 +49,9 @@ class Campaign:
         self.program, self.shim, self.folder = str(program), str(shim), Path(folder)
         self.start = self.folder / "start"
         self.start.mkdir()
-        self.run("simulate", "yard", "--scans", "6", "-o", "yard", at=self.start)
+        self.run("simulate", "yard", "--scans", str(SCANS), "-o", "yard", at=self.start)
         self.run("import", "yard/survey.ply", "-r", "0.8", "-o", "map.evm", at=self.start)
-        half = ["update", "map.evm", "yard/scans", "--poses", "yard/poses.txt", "-o", "map.evm", "--duration", "0.25"]
+        half = ["update", "map.evm", "yard/scans", "--poses", "yard/poses.txt", "-o", "map.evm", "--duration", "0.15"]
         self.run(*half, at=self.start)
         self.run("tag", "map.evm", "half", at=self.start)
         first = (self.start / "yard/poses.txt").read_text().splitlines()[0].split()
@@ -108,7 +109,7 @@ class Campaign:
         shutil.rmtree(at)
         # What a run is to leave that ended after 0, 1, ... scans.
         self.after_scans = [hash_of(self.start / "map.evm")]
-        for scans in range(1, 7 if verb in ("update", "localize") else 1):
+        for scans in range(1, SCANS + 1 if verb in ("update", "localize") else 1):
             at = self.copy(f"{verb}_{scans}")
             self.run(*self.verbs()[verb], "--duration", str(0.1 * scans - 0.05), at=at, check=False)
             self.after_scans.append(hash_of(at / "map.evm"))
