@@ -70,20 +70,24 @@ void build_without_poses(const BuildOptions& options, MapStore& store, Parameter
   scans.scans = options.run.scans;
   scans.reading = options.run.reading;
   scans.threads = options.run.threads;
+  if (options.resume) scans.before = poses_before(options.poses_out, scans.reading);
   parameters.lidar.scan_period = scan_period_of(scans, parameters.lidar.scan_period);
-  MapMaintainer maintainer(Octree(VoxelGrid{.edge = options.leaf}, options.frame), parameters,
-                           MapMode::kMapping);
+  MapMaintainer maintainer(
+      options.resume ? store.load() : Octree(VoxelGrid{.edge = options.leaf}, options.frame), parameters,
+      MapMode::kMapping, options.resume ? scans.before.back().T_map_sensor : Pose{});
+  MapCause cause = cause_of_build(options, parameters);
+  store.begin(maintainer.map(), cause, options.journal);
   std::optional<PoseLog> log;
   if (!options.poses_out.empty()) log.emplace(options.poses_out);
-  const LocalizedRun run =
-      localize_scans(scans, maintainer, parameters.lidar.scan_period, [&](const LocalizedRun& sofar) {
-        if (log) log->extend(sofar.trajectory);
-      });
+  const LocalizedRun run = localize_scans(
+      scans, maintainer, parameters.lidar.scan_period,
+      [&](const LocalizedRun& sofar) { acknowledge(log ? &*log : nullptr, &store, maintainer, sofar); });
   if (log) {
     write_trajectory(options.poses_out, run);
     log->discard();
   }
-  finish(options, store, maintainer.map(), cause_of_build(options, parameters), run);
+  if (run.run.stopped_by != 0) cause.scans = scans.before.size() + run.scans.size();
+  finish(options, store, maintainer.map(), cause, run);
   end_as(run.run);
   if (run.is_lost() || run.is_hardly_tracked()) {
     throw std::runtime_error(fmt::format(
@@ -95,6 +99,8 @@ void build_without_poses(const BuildOptions& options, MapStore& store, Parameter
 
 void run_build(const BuildOptions& options) {
   check_leaf(options.leaf);
+  if (options.resume && options.run.poses.empty() && options.poses_out.empty())
+    throw std::runtime_error("--resume needs --poses, or the --poses-out of the build that is to go on");
   const Parameters parameters = parameters_of(options.parameters);
   check_writable(options.map);
   MapStore store(options.map, options.patience);
@@ -117,11 +123,11 @@ void add_build(CLI::App& app) {
       ->type_name("FILE");
   add_odometry_options(*verb, options->odometry, options->run.reading);
   verb->add_option("-o,--output", options->map, "Map to write")->required()->type_name("MAP.evm");
-  verb->add_flag("--resume", options->resume,
-                 "Go on with a build that was stopped or killed, after the last scan that MAP.evm has")
-      ->needs(poses);
+  verb->add_flag(
+      "--resume", options->resume,
+      "Go on with a build that was stopped or killed, after the last scan that MAP.evm has, or the last "
+      "pose of --poses-out");
   add_sync_option(*verb, options->journal);
-  verb->get_option("--sync")->needs(poses);
   add_leaf_option(*verb, options->leaf);
   add_frame_options(*verb, options->frame);
   add_range_options(*verb, options->parameters);

@@ -50,22 +50,6 @@ void check(const LocalizeOptions& options) {
   if (!options.report.empty()) prepare_report(options.report);
 }
 
-/// The poses of the run that is to go on: of one that was killed, in POSES.part.
-std::vector<StampedPose> poses_before(const LocalizeOptions& options) {
-  const std::string kind = options.poses.extension().string();
-  if (!options.scans.reading.base.empty() || kind == ".mcap" || kind == ".kitti")
-    throw std::runtime_error(
-        "--resume goes on with TUM poses of the sensor: no --base-frame, .mcap or .kitti");
-  const std::filesystem::path part = PoseLog::path_of(options.poses);
-  std::error_code error;
-  const bool was_killed = std::filesystem::exists(part, error);
-  std::vector<StampedPose> poses = read_trajectory(was_killed ? part : options.poses);
-  if (!poses.front().time) throw FileError(options.poses, "has no times, which --resume needs");
-  spdlog::warn("{}: goes on after {} poses, the last at {:.3f} s", options.poses.string(), poses.size(),
-               *poses.back().time);
-  return poses;
-}
-
 void run_localize(const LocalizeOptions& options) {
   Parameters parameters = parameters_of(options.parameters);
   parameters.lidar.scan_period = scan_period_of(options.scans, parameters.lidar.scan_period);
@@ -75,7 +59,7 @@ void run_localize(const LocalizeOptions& options) {
   parameters.localization.relocation.reach =
       options.search.value_or(parameters.localization.relocation.reach);
   LocalizedScans scans = options.scans;
-  if (options.resume) scans.before = poses_before(options);
+  if (options.resume) scans.before = poses_before(options.poses, scans.reading);
   check(options);
   std::optional<MapStore> store;
   if (options.maintain) store.emplace(options.map_out, options.patience);
@@ -91,13 +75,9 @@ void run_localize(const LocalizeOptions& options) {
   if (!options.report.empty()) before = maintainer.map();
   if (store) store->begin(maintainer.map(), cause, options.journal);
   PoseLog log(options.poses);
-  const auto acknowledge = [&](const LocalizedRun& run) {
-    log.extend(run.trajectory);
-    if (store && evermap::acknowledge(
-                     *store, [&] { return maintainer.map(); }, run.scans.size()))
-      log.sync();
-  };
-  const LocalizedRun run = localize_scans(scans, maintainer, parameters.lidar.scan_period, acknowledge);
+  const LocalizedRun run = localize_scans(
+      scans, maintainer, parameters.lidar.scan_period,
+      [&](const LocalizedRun& sofar) { acknowledge(&log, store ? &*store : nullptr, maintainer, sofar); });
   write_trajectory(options.poses, run);
   log.discard();
   if (!options.states.empty()) write_states(options.states, run);

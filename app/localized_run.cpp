@@ -190,6 +190,27 @@ LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& mainta
   return result;
 }
 
+std::vector<StampedPose> poses_before(const std::filesystem::path& poses, const ScanOptions& reading) {
+  const std::string kind = poses.extension().string();
+  if (!reading.base.empty() || kind == ".mcap" || kind == ".kitti")
+    throw std::runtime_error(
+        "--resume goes on with TUM poses of the sensor: no --base-frame, .mcap or .kitti");
+  const std::filesystem::path part = PoseLog::path_of(poses);
+  std::error_code error;
+  const bool was_killed = std::filesystem::exists(part, error);
+  std::vector<StampedPose> before = read_trajectory(was_killed ? part : poses);
+  if (!before.front().time) throw FileError(poses, "has no times, which --resume needs");
+  spdlog::warn("{}: goes on after {} poses, the last at {:.3f} s", poses.string(), before.size(),
+               *before.back().time);
+  return before;
+}
+
+void acknowledge(PoseLog* log, MapStore* store, const MapMaintainer& maintainer, const LocalizedRun& run) {
+  if (log != nullptr) log->extend(run.trajectory);
+  const auto map = [&] { return maintainer.map(); };
+  if (store != nullptr && acknowledge(*store, map, run.scans.size()) && log != nullptr) log->sync();
+}
+
 std::size_t LocalizedRun::count(TrackingState state) const {
   return static_cast<std::size_t>(
       std::count_if(scans.begin(), scans.end(), [&](const ScanResult& scan) { return scan.state == state; }));

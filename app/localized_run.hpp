@@ -16,6 +16,8 @@
 #include "report.hpp"
 #include "run.hpp"
 #include <evermap/bags/odometry_bag.hpp>
+#include <evermap/history/map_store.hpp>
+#include <evermap/io/detail/pose_log.hpp>
 #include <evermap/io/poses.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
 
@@ -65,6 +67,15 @@ double scan_period_of(const LocalizedScans& options, double configured);
 /// the odometry has none. Shows the run up to there to `look` after each scan.
 LocalizedRun localize_scans(const LocalizedScans& options, MapMaintainer& maintainer, double scan_period,
                             const std::function<void(const LocalizedRun& run)>& look);
+
+/// The poses of the run that is to go on and writes them to `poses`: of one that was killed, in POSES.part.
+/// Throws FileError when they cannot be read, std::runtime_error where they are not such that a run can go on
+/// with.
+std::vector<StampedPose> poses_before(const std::filesystem::path& poses, const ScanOptions& reading);
+
+/// Keeps what the run found up to here, as often as the store's journal asks for: in the log of its poses and
+/// in the store, where there are any.
+void acknowledge(PoseLog* log, MapStore* store, const MapMaintainer& maintainer, const LocalizedRun& run);
 
 /// Writes the trajectory as its file's name says: .kitti, .mcap (a bag of ROS 2), or TUM. Throws FileError
 /// when it cannot be written; KITTI's rows have no times, so that none may be missing.

@@ -146,40 +146,47 @@ TEST_F(LocalizeTest, ARunCanBeUndone) {
   EXPECT_TRUE(content(path("map.evm")) == before);
 }
 
-// Killed at any moment, what was acknowledged is the map of a run that ended there, to the bit.
+// Poses are found to the end whether the map was there before or is made by the run.
 TEST_F(LocalizeTest, ARunThatWasStoppedOrKilledGoesOn) {
   build_map();
-  for (const int signal : {SIGINT, SIGKILL}) {
-    for (const std::string file : {"poses.txt", "poses.txt.part", "kept.evm", "kept.evm.history"})
-      std::filesystem::remove(path(file));
-    const std::vector<std::string> maintain = {"--maintain", "--map-out", name("kept.evm"), "--sync", "1"};
-    std::vector<std::string> watched = maintain;
-    watched.emplace_back("--verbose");
-    const std::unique_ptr<Process> process = start(localize(watched));
-    for (int wait = 0; wait < 60'000; ++wait) {
-      if (std::filesystem::exists(path("stderr")) &&
-          content(path("stderr")).find("scan 5:") != std::string::npos)
-        break;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const std::vector<std::string> maintain =
+      localize({"--maintain", "--map-out", name("kept.evm"), "--sync", "1"});
+  const std::vector<std::string> odometry = {
+      "build",       name("scans"),     "-r",     "0.4", "-o", name("kept.evm"),
+      "--poses-out", name("poses.txt"), "--sync", "1"};
+  for (const std::vector<std::string>& verb : {maintain, odometry}) {
+    for (const int signal : {SIGINT, SIGKILL}) {
+      for (const std::string file : {"stderr", "poses.txt", "poses.txt.part", "kept.evm", "kept.evm.history"})
+        std::filesystem::remove(path(file));
+      std::vector<std::string> watched = verb;
+      watched.emplace_back("--verbose");
+      const std::unique_ptr<Process> process = start(watched);
+      for (int wait = 0; wait < 60'000; ++wait) {
+        if (std::filesystem::exists(path("stderr")) &&
+            content(path("stderr")).find("scan 5:") != std::string::npos)
+          break;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+      process->send(signal);
+      process->wait();
+      const bool is_part = std::filesystem::exists(path("poses.txt.part"));
+      const std::size_t before = read_poses(path(is_part ? "poses.txt.part" : "poses.txt")).poses.size();
+      EXPECT_GE(before, 4U);
+      std::vector<std::string> resumed = verb;
+      resumed.emplace_back("--resume");
+      const Result result = run(resumed);
+      ASSERT_EQ(result.exit_code, 0) << result.err;
+      EXPECT_NE(result.err.find("goes on after " + std::to_string(before) + " poses"), std::string::npos)
+          << result.err;
+      EXPECT_EQ(result.err.find("not later"), std::string::npos) << result.err;
+      expect_poses("poses.txt", verb == maintain ? 0.03 : 0.1);
+      EXPECT_FALSE(std::filesystem::exists(path("poses.txt.part")));
+      expect_done({"info", name("kept.evm")});
     }
-    process->send(signal);
-    process->wait();
-    const bool is_part = std::filesystem::exists(path("poses.txt.part"));
-    const std::size_t before = read_poses(path(is_part ? "poses.txt.part" : "poses.txt")).poses.size();
-    EXPECT_GE(before, 4U);
-    std::vector<std::string> resumed = maintain;
-    resumed.emplace_back("--resume");
-    const Result result = run(localize(resumed));
-    ASSERT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_NE(result.err.find("goes on after " + std::to_string(before) + " poses"), std::string::npos)
-        << result.err;
-    EXPECT_EQ(result.err.find("not later"), std::string::npos) << result.err;
-    expect_poses("poses.txt", 0.03);
-    EXPECT_FALSE(std::filesystem::exists(path("poses.txt.part")));
-    expect_done({"info", name("kept.evm")});
   }
   std::filesystem::remove(path("poses.txt"));
   expect_failed(localize({"--resume"}), "poses.txt");
+  expect_failed({"build", name("scans"), "-r", "0.4", "-o", name("kept.evm"), "--resume"}, "--poses-out");
 }
 
 TEST_F(LocalizeTest, WhatAKilledRunHadAcknowledgedIsThere) {
