@@ -12,6 +12,7 @@
 #include <evermap/localization/detail/perturbation.hpp>
 #include <evermap/maintenance/map_maintainer.hpp>
 #include <evermap/maintenance/survey.hpp>
+#include <evermap/update/detail/map_updater.hpp>
 
 namespace evermap {
 namespace {
@@ -86,6 +87,37 @@ TEST(HardWorlds, AYardIsFollowedWithoutOdometry) {
     EXPECT_GE(yard.believed, 28U) << edge;
     EXPECT_GE(yard.written, 28U) << edge;
     EXPECT_LT(yard.worst, 0.02) << edge;
+  }
+}
+
+/// The sides and the ends of a vehicle, 4 x 1.8 m and from 0.5 m below the sensor to 0.5 m above, as it goes
+/// the robot's way.
+Scan trail(const std::function<Pose(double time)>& truth, double seconds) {
+  constexpr double kStep = 0.1;  // [m]
+  Scan points;
+  for (double time = 0; time < seconds; time += 0.5) {
+    for (double z = -0.5; z <= 0.5; z += kStep) {
+      for (double x = -2; x <= 2; x += kStep)
+        for (const double y : {-0.9, 0.9}) points.p_sensor.push_back(truth(time) * Eigen::Vector3d(x, y, z));
+      for (double y = -0.9; y <= 0.9; y += kStep)
+        for (const double x : {-2.0, 2.0}) points.p_sensor.push_back(truth(time) * Eigen::Vector3d(x, y, z));
+    }
+  }
+  return points;
+}
+
+// What passed here when the map was made is in it still, and the robot begins in the middle of that.
+TEST(HardWorlds, AStartAmidTheTrailOfAVehicle) {
+  for (const double edge : {0.2, 0.4}) {
+    const auto truth = [&](double time) { return test::yard().T_map_sensor_at(time); };
+    Octree map = test::survey_map(test::yard().survey_scene(), edge);
+    add_cloud(map, trail(truth, 6), {}, {}, {});
+    for (const MapMode mode : {MapMode::kLocalization, MapMode::kMaintenance}) {
+      MapMaintainer maintainer(map, {}, mode, truth(kPeriod));
+      const Outcome yard = run(maintainer, test::yard().scene(0), test::small_lidar(), 20, truth);
+      EXPECT_GE(yard.believed, 18U) << edge;
+      EXPECT_LT(yard.worst, 0.03) << edge;
+    }
   }
 }
 

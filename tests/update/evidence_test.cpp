@@ -163,6 +163,24 @@ TEST_F(TraceThroughAFace, NeighbouringHitsSpareAFaceWithinTheAlignmentError) {
   EXPECT_GT(contradicted[1], 0);
 }
 
+TEST_F(TraceThroughAFace, ALeafSpeaksForOneRayHoweverManyCrossIt) {
+  const BundleGrid bundles = seen(octree_, beyond_);
+  const auto rays = static_cast<double>(bundles.bundles().size());
+  const auto leaves = static_cast<double>(octree_.leaf_count());
+  ASSERT_GT(rays, leaves);
+  EXPECT_NEAR(contradicting_fraction(trace(octree_, bundles, {}), bundles), leaves / rays, 1e-12);
+  // All rays begin in this one.
+  Octree close(VoxelGrid{kEdge});
+  Scan ghost;
+  Random random(4);
+  for (int i = 0; i < 500; ++i)
+    ghost.p_sensor.emplace_back(0.75, random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3));
+  add(close, condense(ghost, {}, close.grid(), {.min_range = 0}), {});
+  const Evidence evidence = trace(close, bundles, {});
+  EXPECT_GT(evidence.contradictions.size(), bundles.bundles().size() / 2);
+  EXPECT_LE(contradicting_fraction(evidence, bundles), static_cast<double>(close.leaf_count()) / rays);
+}
+
 /// Rays to a wall 12 m ahead, whose ends are between these heights [m], and what they say against the map.
 double impact_of_rays_to_heights(const Octree& octree, double low, double high) {
   Random random(6);

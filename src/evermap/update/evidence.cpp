@@ -221,16 +221,19 @@ AlignmentError alignment_error(const Octree& octree, const BundleGrid& bundles) 
 }
 
 double contradicting_fraction(const Evidence& evidence, const BundleGrid& bundles) {
-  std::vector<bool> contradicts(bundles.bundles().size(), false);
+  std::vector<bool> is_counted(bundles.bundles().size(), false);
+  std::size_t count = 0;
   for (const LeafEvidence& against : evidence.leaves) {
     if (against.impact == 0) continue;
-    for (std::uint32_t i = against.begin; i < against.end; ++i) {
-      const Contradiction& c = evidence.contradictions[i];
-      if (c.impact > 0) contradicts[c.bundle] = true;
-    }
+    const auto rays = std::span(evidence.contradictions).subspan(against.begin, against.end - against.begin);
+    const auto next = std::find_if(rays.begin(), rays.end(), [&](const Contradiction& c) {
+      return c.impact > 0 && !is_counted[c.bundle];
+    });
+    if (next == rays.end()) continue;
+    is_counted[next->bundle] = true;
+    ++count;
   }
-  const auto count = std::count(contradicts.begin(), contradicts.end(), true);
-  return static_cast<double>(count) / std::max(1.0, static_cast<double>(contradicts.size()));
+  return static_cast<double>(count) / std::max(1.0, static_cast<double>(is_counted.size()));
 }
 
 Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdateParameters& parameters) {

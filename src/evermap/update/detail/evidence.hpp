@@ -44,7 +44,8 @@ struct Evidence {
   AlignmentError alignment_error;  ///< of the scan, where the rules ask for it
 };
 
-/// Fraction of a scan's bundles that contradict leaves; spared leaves do not count.
+/// Fraction of a scan's bundles that contradict leaves, each a leaf of its own: what is gone close to the
+/// sensor is crossed by most rays wherever that is, and still is one leaf. Spared leaves do not count.
 double contradicting_fraction(const Evidence& evidence, const BundleGrid& bundles);
 
 /// How far the scan is off the map: robust standard deviations of the distances from the scan's bundles to
