@@ -35,6 +35,7 @@ Octree gaussians_of_grid(const Points& centers, double edge) {
 ClosedLoop::ClosedLoop(Mapper& mapper, double edge, const Pose& start, const LidarParameters& lidar)
     : mapper_(mapper),
       edge_(edge),
+      start_(start),
       localizer_(start, lidar, LocalizationParameters{}),
       grid_target_(VoxelGrid{.edge = edge}) {}
 
@@ -55,7 +56,17 @@ Localization ClosedLoop::localize_in_grid(const Scan& scan, double time,
     grid_target_ = gaussians_of_grid(mapper_.surface(), edge_);
     outdated_by_ = 0;
   }
-  Localization found = localizer_.propose(grid_target_, scan, time, {T_odom_sensor, {}});
+  const EgoMotion ego{T_odom_sensor, {}};
+  Localization found;
+  if (found_.empty()) {  // at the given pose: at its start a localizer expects more of a map than a grid can
+                         // tell
+    localizer_.begin(start_, time, ego);
+    mapper_.update(scan, start_);
+    found.T_map_sensor = start_;
+    found.state = localizer_.state();
+    return found;
+  }
+  found = localizer_.propose(grid_target_, scan, time, ego);
   if (found.is_writable()) {
     mapper_.update(scan, found.T_map_sensor);
     ++outdated_by_;

@@ -43,6 +43,7 @@ class ClosedLoop {
 
   Mapper& mapper_;
   double edge_;
+  Pose start_;
   Localizer localizer_;
   Octree grid_target_;
   std::size_t outdated_by_ = kRefresh;  ///< scans written since grid_target_ was made
