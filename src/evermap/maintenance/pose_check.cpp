@@ -149,7 +149,7 @@ std::string PoseCheck::verdict() const {
     const Mistake& mistake = kMistakes[static_cast<std::size_t>(best - mended_fit_.begin())];
     return misfit + " and do (" + percent(*best) + ") if " + std::string(mistake.words);
   }
-  constexpr double kMuch = 0.2;
+  constexpr double kMuch = 0.15;
   if (fit_ < 0.3 * n && contradicting_ > kMuch * n)
     return misfit + ", and " + percent(contradicting_) +
            " of their rays contradict it; are poses and map of this drive?";
