@@ -11,6 +11,7 @@
 #include "options.hpp"
 #include "report.hpp"
 #include "verbs.hpp"
+#include <evermap/files/file_error.hpp>
 #include <evermap/history/map_store.hpp>
 #include <evermap/io/detail/pose_log.hpp>
 
@@ -35,6 +36,15 @@ MapCause cause_of_build(const BuildOptions& options, const Parameters& parameter
   return cause_of("build of", options.run.scans, parameters);
 }
 
+/// An empty map, or that of the build which is to go on.
+Octree begin_map(const BuildOptions& options, MapStore& store, const VoxelGrid& grid) {
+  if (!options.resume) return Octree(grid, options.frame);
+  Octree map = store.load();
+  if (map.grid().edge != grid.edge)
+    throw FileError(options.map, fmt::format("has leaves of {} m; -r must say the same", map.grid().edge));
+  return map;
+}
+
 template <class RunReport>
 void finish(const BuildOptions& options, MapStore& store, const Octree& octree, const MapCause& cause,
             const RunReport& run) {
@@ -55,8 +65,7 @@ void build_from_poses(const BuildOptions& options, MapStore& store, const Parame
   if (options.resume) reading.selection.skip = scans_before(options.map, cause);
   PosedScans scans(options.run.scans, options.run.poses, parameters.lidar.scan_period, reading);
   const VoxelGrid grid = VoxelGrid::around(scans.first_pose().translation, options.leaf);
-  MapMaintainer maintainer(options.resume ? store.load() : Octree(grid, options.frame), parameters,
-                           MapMode::kMapping);
+  MapMaintainer maintainer(begin_map(options, store, grid), parameters, MapMode::kMapping);
   PoseCheck check(Octree(grid), parameters.lidar, scans.poses());
   const Run run = run_journaled(scans, options.run, maintainer, check, store, options.journal, cause,
                                 reading.selection.skip);
@@ -72,9 +81,8 @@ void build_without_poses(const BuildOptions& options, MapStore& store, Parameter
   scans.threads = options.run.threads;
   if (options.resume) scans.before = poses_before(options.poses_out, scans.reading);
   parameters.lidar.scan_period = scan_period_of(scans, parameters.lidar.scan_period);
-  MapMaintainer maintainer(
-      options.resume ? store.load() : Octree(VoxelGrid{.edge = options.leaf}, options.frame), parameters,
-      MapMode::kMapping, options.resume ? scans.before.back().T_map_sensor : Pose{});
+  MapMaintainer maintainer(begin_map(options, store, VoxelGrid{.edge = options.leaf}), parameters,
+                           MapMode::kMapping, options.resume ? scans.before.back().T_map_sensor : Pose{});
   MapCause cause = cause_of_build(options, parameters);
   store.begin(maintainer.map(), cause, options.journal);
   std::optional<PoseLog> log;

@@ -57,16 +57,17 @@ Localization ClosedLoop::localize_in_grid(const Scan& scan, double time,
     outdated_by_ = 0;
   }
   const EgoMotion ego{T_odom_sensor, {}};
-  Localization found;
-  if (found_.empty()) {  // at the given pose: at its start a localizer expects more of a map than a grid can
-                         // tell
+  // The first scan is at the given pose: at its start, a localizer expects more of a map than a grid can
+  // tell.
+  if (found_.empty()) {
     localizer_.begin(start_, time, ego);
     mapper_.update(scan, start_);
-    found.T_map_sensor = start_;
-    found.state = localizer_.state();
-    return found;
+    Localization first;
+    first.T_map_sensor = start_;
+    first.state = localizer_.state();
+    return first;
   }
-  found = localizer_.propose(grid_target_, scan, time, ego);
+  Localization found = localizer_.propose(grid_target_, scan, time, ego);
   if (found.is_writable()) {
     mapper_.update(scan, found.T_map_sensor);
     ++outdated_by_;

@@ -184,6 +184,10 @@ TEST_F(LocalizeTest, ARunThatWasStoppedOrKilledGoesOn) {
       expect_done({"info", name("kept.evm")});
     }
   }
+  const Result other_leaf = run({"build", name("scans"), "-r", "0.2", "-o", name("kept.evm"), "--poses-out",
+                                 name("poses.txt"), "--resume"});
+  EXPECT_EQ(other_leaf.exit_code, 1);
+  EXPECT_NE(other_leaf.err.find("has leaves of 0.4 m"), std::string::npos) << other_leaf.err;
   std::filesystem::remove(path("poses.txt"));
   expect_failed(localize({"--resume"}), "poses.txt");
   expect_failed({"build", name("scans"), "-r", "0.4", "-o", name("kept.evm"), "--resume"}, "--poses-out");
