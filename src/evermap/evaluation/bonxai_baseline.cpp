@@ -9,15 +9,17 @@
 
 namespace evermap {
 
-using Bonxai::ProbabilisticMap;
+struct BonxaiBaseline::Map : Bonxai::ProbabilisticMap {
+  using Bonxai::ProbabilisticMap::ProbabilisticMap;
+};
 
-BonxaiBaseline::BonxaiBaseline(double edge) : edge_(edge), map_(std::make_unique<ProbabilisticMap>(edge)) {}
+BonxaiBaseline::BonxaiBaseline(double edge) : edge_(edge), map_(std::make_unique<Map>(edge)) {}
 BonxaiBaseline::~BonxaiBaseline() = default;
 BonxaiBaseline::BonxaiBaseline(BonxaiBaseline&&) noexcept = default;
 BonxaiBaseline& BonxaiBaseline::operator=(BonxaiBaseline&&) noexcept = default;
 
 void BonxaiBaseline::insert_surface(const Points& points_map) {
-  ProbabilisticMap::CellT occupied;
+  Map::CellT occupied;
   constexpr std::int32_t kBits = (1 << 27) - 1;  // that its bit field has for what is above 0
   occupied.probability_log = map_->options().clamp_max_log & kBits;
   auto& grid = map_->grid();
@@ -35,7 +37,7 @@ std::function<void()> BonxaiBaseline::prepare_scan(const Eigen::Vector3d& origin
 bool BonxaiBaseline::occupied(const Eigen::Vector3d& p_map) const {
   // ProbabilisticMap::isOccupied keeps what it found last, so that it cannot be asked by several threads.
   const auto& grid = std::as_const(*map_).grid();
-  const ProbabilisticMap::CellT* cell = grid.createConstAccessor().value(grid.posToCoord(p_map));
+  const Map::CellT* cell = grid.createConstAccessor().value(grid.posToCoord(p_map));
   return cell != nullptr && cell->probability_log > map_->options().occupancy_threshold_log;
 }
 

@@ -11,10 +11,6 @@
 
 #include <evermap/evaluation/map_metrics.hpp>
 
-namespace Bonxai {
-class ProbabilisticMap;
-}
-
 namespace evermap {
 
 /// Bonxai's ProbabilisticMap, a hash grid made for speed. There only when CMake found Bonxai. Not thread
@@ -41,8 +37,9 @@ class BonxaiBaseline {
   static std::string version() { return "unknown"; }  ///< its headers do not tell
 
  private:
+  struct Map;
   double edge_;
-  std::unique_ptr<Bonxai::ProbabilisticMap> map_;
+  std::unique_ptr<Map> map_;
 };
 
 }  // namespace evermap
