@@ -88,7 +88,8 @@ class MapperTest : public testing::TestWithParam<std::string> {
 
 TEST_P(MapperTest, GoesByItsName) {
   EXPECT_EQ(mapper_->name(), GetParam());
-  EXPECT_FALSE(mapper_->version().empty());
+  // Bonxai's headers tell none.
+  EXPECT_EQ(mapper_->version().find('.') != std::string::npos, GetParam() != "Bonxai") << mapper_->version();
 }
 
 TEST_P(MapperTest, AnEmptyMapClaimsNothing) {

@@ -72,31 +72,32 @@ std::unique_ptr<Mapper> make_static(const std::string& name, double edge, const 
   return make_evermap(name, edge, lidar, UpdateParameters{}, MapMode::kLocalization);
 }
 
-std::unique_ptr<Mapper> make_octomap(const std::string& name, double edge, const LidarParameters& lidar) {
-  return std::make_unique<GridMapper<OctoMapBaseline>>(name, edge, all_points(lidar));
+/// A grid that is fed all points.
+template <class Grid>
+std::unique_ptr<Mapper> make_grid(const std::string& name, double edge, const LidarParameters& lidar) {
+  return std::make_unique<GridMapper<Grid>>(name, edge, all_points(lidar));
 }
+
+/// In place of a mapper whose library was not found.
+[[maybe_unused]] std::unique_ptr<Mapper> make_none(const std::string& /*name*/, double /*edge*/,
+                                                   const LidarParameters& /*lidar*/) {
+  return nullptr;
+}
+
+#ifdef EVERMAP_UFOMAP_VERSION
+constexpr Maker kMakeUfoMap = make_grid<UfoMapBaseline>;
+#else
+constexpr Maker kMakeUfoMap = make_none;
+#endif
+#ifdef EVERMAP_HAS_BONXAI
+constexpr Maker kMakeBonxai = make_grid<BonxaiBaseline>;
+#else
+constexpr Maker kMakeBonxai = make_none;
+#endif
 
 std::unique_ptr<Mapper> make_octomap_of_means(const std::string& name, double edge,
                                               const LidarParameters& lidar) {
   return std::make_unique<GridMapper<OctoMapBaseline>>(name, edge, voxel_means(edge, lidar));
-}
-
-std::unique_ptr<Mapper> make_ufomap([[maybe_unused]] const std::string& name, [[maybe_unused]] double edge,
-                                    [[maybe_unused]] const LidarParameters& lidar) {
-#ifdef EVERMAP_UFOMAP_VERSION
-  return std::make_unique<GridMapper<UfoMapBaseline>>(name, edge, all_points(lidar));
-#else
-  return nullptr;
-#endif
-}
-
-std::unique_ptr<Mapper> make_bonxai([[maybe_unused]] const std::string& name, [[maybe_unused]] double edge,
-                                    [[maybe_unused]] const LidarParameters& lidar) {
-#ifdef EVERMAP_HAS_BONXAI
-  return std::make_unique<GridMapper<BonxaiBaseline>>(name, edge, all_points(lidar));
-#else
-  return nullptr;
-#endif
 }
 
 std::unique_ptr<Mapper> make_paper(const std::string& name, double edge, const LidarParameters& lidar) {
@@ -110,10 +111,10 @@ std::unique_ptr<Mapper> make_default(const std::string& name, double edge, const
 const std::vector<std::pair<std::string, Maker>>& makers() {
   static const std::vector<std::pair<std::string, Maker>> list{
       {"static map", make_static},
-      {"OctoMap", make_octomap},
+      {"OctoMap", make_grid<OctoMapBaseline>},
       {"OctoMap, voxel means", make_octomap_of_means},
-      {"UFOMap", make_ufomap},
-      {"Bonxai", make_bonxai},
+      {"UFOMap", kMakeUfoMap},
+      {"Bonxai", kMakeBonxai},
       {"evermap paper", make_paper},
       {"evermap default", make_default},
   };
