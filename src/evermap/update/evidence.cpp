@@ -225,7 +225,7 @@ double contradicting_fraction(const Evidence& evidence, const BundleGrid& bundle
   std::size_t count = 0;
   for (const LeafEvidence& against : evidence.leaves) {
     if (against.impact == 0) continue;
-    const auto rays = std::span(evidence.contradictions).subspan(against.begin, against.end - against.begin);
+    const auto rays = against.among(evidence.contradictions);
     const auto next = std::find_if(rays.begin(), rays.end(), [&](const Contradiction& c) {
       return c.impact > 0 && !is_counted[c.bundle];
     });
@@ -256,8 +256,7 @@ Evidence trace(const Octree& octree, const BundleGrid& bundles, const UpdatePara
     const double error_there = error.at((leaf.mean - bundles.origin_map).norm());
     const double tolerance = parameters.surface_tolerance * error_there;
     if (parameters.spare_reobserved && is_reobserved(against.leaf, leaf, plane, bundles, tolerance)) return;
-    const auto contradictions =
-        std::span(evidence.contradictions).subspan(against.begin, against.end - against.begin);
+    const auto contradictions = against.among(evidence.contradictions);
     if (parameters.surface_crossing && !plane.flat)
       heed_surroundings(octree, against.leaf, leaf, bundles, error_there, parameters, contradictions);
     against.impact = combine(contradictions, parameters.combination);

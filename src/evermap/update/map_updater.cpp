@@ -44,9 +44,8 @@ std::vector<VoxelKey> contradict_leaves(Octree& octree, const BundleGrid& bundle
     const LeafEvidence& against = evidence.leaves[i];
     Leaf& leaf = *octree.find(against.leaf);
     if (parameters.trim_leaves) {
-      const auto contradictions =
-          std::span(evidence.contradictions).subspan(against.begin, against.end - against.begin);
-      trim(leaf, octree.grid().center(against.leaf), thickness, contradictions, bundles);
+      trim(leaf, octree.grid().center(against.leaf), thickness, against.among(evidence.contradictions),
+           bundles);
     }
     const bool was_occupied = leaf.occupied();
     if (against.impact == 0 || contradict(leaf, against.impact, parameters)) return;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <evermap/map/octree.hpp>
@@ -25,6 +26,12 @@ struct LeafEvidence {
   double impact;        ///< in [0, 1] of all its contradictions together; 0 when the leaf is spared
   std::uint32_t begin;  ///< its contradictions: a range of Evidence::contradictions
   std::uint32_t end;
+
+  /// Its contradictions among Evidence::contradictions.
+  template <class Contradictions>
+  auto among(Contradictions& all) const {
+    return std::span(all).subspan(begin, end - begin);
+  }
 };
 
 /// How far a scan is off the map. What is off by its direction is the farther off the farther away it is.
